@@ -5,9 +5,9 @@
 //!
 //! - *Waves*: each wave is compared with the exact wave ([`ExactScene`](crate::geometry::ExactScene), closed form in
 //!   `f64`) that has the same start direction, its *twin*: final status, surfaces met, distance between the end points
-//!   in metres. At most [`Plan::compared_waves`] waves of seed 1 are compared; further waves have the same distribution.
-//!   If the twin dies, the wave has no end point and no error. If the wave dies but its twin survives, the wave counts
-//!   with its own end point.
+//!   in metres. At most [`Plan::compared_waves`] waves of seed 1 are compared; further waves have the same
+//!   distribution. If the twin dies, the wave has no end point and no error. If the wave dies but its twin survives,
+//!   the wave counts with its own end point.
 //! - *Panning*: over at least 16 seeds, the panning is compared with that of the twins (twin bias), and with the limit
 //!   of many waves (limit bias, mean square error, efficiency). A frame without arrivals has the panning 0, which
 //!   counts.

@@ -6,12 +6,12 @@
 //! based on ends before the form and the results.
 //!
 //! # Method
-//! - *Observer model*: an [`Observer`] answers only from the levels of the rendered channels. [`run`] measures its error
-//!   in the open, where its answers must be right, and in rooms. It does so for each sound, profile, number of waves and
-//!   number of iterations, over several seeds and three facings ([`facings`]). Every answer is compared with two truths:
-//!   the *source*, which is the lateral angle of the direct path to the source; and the *limit*, which is the observer's
-//!   answer to the converged panning of `hybrid` after the same number of iterations. A trial without arrivals has no
-//!   answer, and is counted separately.
+//! - *Observer model*: an [`Observer`] answers only from the levels of the rendered channels. [`run`] measures its
+//!   error in the open, where its answers must be right, and in rooms. It does so for each sound, profile, number of
+//!   waves and number of iterations, over several seeds and three facings ([`facings`]). Every answer is compared with
+//!   two truths: the *source*, which is the lateral angle of the direct path to the source; and the *limit*, which is
+//!   the observer's answer to the converged panning of `hybrid` after the same number of iterations. A trial without
+//!   arrivals has no answer, and is counted separately.
 //! - *People*: [`form`] writes the sounds and a page that plays the sounds and records the answers; [`score`] evaluates
 //!   the answers.
 //!

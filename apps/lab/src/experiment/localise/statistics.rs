@@ -5,8 +5,8 @@
 //! figures. The method makes no assumption about the distribution of the errors, which is far from normal: answers are
 //! limited to ±90°, and each truth has its own bias. The resampled units are those that vary at random:
 //!
-//! - for the observer model, the seeds: each truth keeps its measured number of answers, so that the interval covers the
-//!   randomness of the waves, but not the choice of truths ([`figures`]);
+//! - for the observer model, the seeds: each truth keeps its measured number of answers, so that the interval covers
+//!   the randomness of the waves, but not the choice of truths ([`figures`]);
 //! - for test subjects, the persons, each with all of their answers, because the answers of one person are not
 //!   independent ([`figures_of_people`]). The choice of truths is not covered here either.
 //!
