@@ -76,7 +76,7 @@ impl Game {
         })
     }
 
-    /// Draws one picture. Tracing the waves takes at most `WAVES_MS` of its time.
+    /// Draws one picture. Tracing the waves takes about `WAVES_MS` of its time.
     fn picture(&mut self) -> Result<(), Box<dyn Error>> {
         self.scene.sources[0].position.x += STEP_M;
         if !self.tracer.is_frame_pending() {

@@ -239,8 +239,8 @@ fn a_passing_source_moves_from_left_to_right() {
     let folder = tempfile::tempdir().unwrap();
     let first = folder.path().join("first.wav");
     let second = folder.path().join("second.wav");
-    // Only the direct sound is traced. The listener is at the world's origin, where the thesis' algorithm would place
-    // dead waves in the second iteration. These waves would then count as heard.
+    // Only the direct sound is traced. The listener is at the world's origin, to which the thesis' algorithm moves dead
+    // waves. In a second iteration, dead waves would count as heard.
     let short = ["--waves", "16384", "--iterations", "1", "--law", "linear"];
     let sine = ["render", "open-field", "--sound", "sine:440", "-o"];
     let render = |path| [&sine[..], &[argument(path)], &short[..]].concat();
