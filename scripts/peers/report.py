@@ -27,7 +27,7 @@ class Rounds:
         return [row for row in self.timed if (row["peer"], row["waves"]) == peer and row["scene"] == scene]
 
     def largest(self, name):
-        """The peer of this name with the largest number of waves."""
+        """The peer of that name with the most waves."""
         found = [peer for peer in self.peers if peer[0] == name]
         return max(found, key=lambda peer: peer[1], default=None)
 
@@ -42,7 +42,7 @@ class Rounds:
         return {at: rate(peer[1], time) for at, time in times.items()}
 
     def ratio(self, one, other, scene, part=None):
-        """The speed relative to another peer: the median over the rounds that include both."""
+        """The speed relative to the other peer: the median over the rounds that include both."""
         if one is None or other is None:
             return None
         ours, theirs = self.rates(one, scene, part), self.rates(other, scene)
@@ -61,30 +61,30 @@ def markdown(rows, missing, work, echomarch, quick):
         "# Beside other programs",
         f"`scripts/peers.sh` on `{renderer(rows)}`, one core of {processor()}: {count} interleaved round"
         + ("" if count == 1 else "s")
-        + (". This is a trial with few waves, and its figures are not reliable." if quick else "."),
-        "The scenes, counted from a corner of the room, in metres: A is a room of 30 × 20 × 30, source at "
-        "(7, 5, 9), listener at (22, 8, 19) with radius 1. B has two additional walls (x 12 … 13, z 0 … 18 and "
-        "x 18 … 19, z 12 … 30, from floor to ceiling) and three pillars of radius 1 at x, z = (6, 22), "
-        "(15.5, 15), (24, 8). B16 … B1024 have 16 to 1024 pillars of radius 0.3 on an even grid instead of the "
-        "three pillars; B1024 lacks the pillar that would contain the source. All programs trace the same lattice "
-        f"of directions for {ITERATIONS} iterations. Waves that reach the listener stop.",
+        + (", with few waves: this is a trial, and its figures are not reliable." if quick else "."),
+        "The scenes are given in metres, from a corner of the room. A is a room of 30 × 20 × 30 with the source at "
+        "(7, 5, 9) and the listener, with radius 1, at (22, 8, 19). B has two additional walls (x 12 … 13, z 0 … 18 "
+        "and x 18 … 19, z 12 … 30, from floor to ceiling) and three pillars of radius 1 at x, z = (6, 22), (15.5, "
+        "15), (24, 8). B16 … B1024 have 16 … 1024 pillars of radius 0.3 on an even grid instead; B1024 lacks the "
+        f"pillar at the position of the source. All programs trace the same lattice of directions for {ITERATIONS} "
+        "iterations; waves that reach the listener stop.",
         "## Rates",
-        f"Millions of waves times iterations per second: waves × {ITERATIONS} divided by the time of a whole frame, "
-        "which includes making the directions, tracing the waves and summing the arrivals. Medians over the "
-        "rounds, with the minimum and the maximum. *its march* is the time between initialise and pan, or the time of "
-        "the single pass if a frame is drawn as one pass.",
+        f"Rates are in million waves times iterations per second: waves × {ITERATIONS} divided by the time of a whole "
+        "frame. A frame includes the generation of directions, the tracing of waves and the sum of arrivals. Each "
+        "cell has the median over the rounds, and in brackets the smallest and the largest rate. *its march* is the "
+        "part between initialise and pan, or the whole pass if a frame is drawn as one pass.",
         rates_table(rounds),
         "## Ratios",
-        "Ratios of two rates of the same round, as medians over the rounds.",
+        "A ratio compares the rates of one round. Each cell has the median over the rounds.",
         ratios_table(rounds),
         "## Memory",
-        "Peak memory of the process (resident set) in MiB.",
+        "The table gives the maximum resident set of the process, in MiB.",
         memory_table(rounds),
         "## Waves heard, by order",
-        "The order is the number of reflections before the listener. The counts verify that all programs do the same "
-        "work. From about the fourth reflection on, pillars amplify rounding differences: the counts agree, but "
-        "single waves may differ. pyroomacoustics has prisms instead of cylinders, and does not end a ray at the "
-        "listener.",
+        "The tables count the heard waves by the number of previous reflections. They check that all programs do the "
+        "same work. From about the fourth reflection on, pillars have amplified the differences of rounding: the "
+        "counts agree, but single waves may differ. Pyroomacoustics approximates cylinders by prisms, and does not "
+        "end a ray that was heard.",
         hits_tables(rounds),
         "## What ran",
         versions(rows, missing, work, echomarch),
@@ -161,11 +161,11 @@ def versions(rows, missing, work, echomarch):
     said = [
         of_echomarch(rows, echomarch),
         of_compiler(),
-        f"- Embree: {package('libembree-dev')}; walls and boxes are quads, pillars are user geometry that solves for "
-        "the circle eight rays at a time (the fastest of three ways, see embree.cpp), and the listener is a closed "
-        "form outside Embree; Embree uses AVX-512 if the processor has it",
-        f"- pyroomacoustics: {pyroom_version(work)}; A is its shoe box, B its general room, pillars are "
-        "prisms of 16 sides",
+        f"- Embree: {package('libembree-dev')}. Walls and boxes are quads. Pillars are user geometry that intersects "
+        "eight rays with the circle at a time (the fastest of three variants, see embree.cpp). The listener is "
+        "intersected in closed form outside of Embree. Embree uses AVX-512 if the processor supports it",
+        f"- pyroomacoustics: {pyroom_version(work)}. A is its shoe box. B is its general room, with pillars as prisms of "
+        "16 sides",
         f"- {machine()}",
     ]
     said += left_out(missing)
@@ -185,7 +185,7 @@ def left_out(missing):
 
 
 def commit():
-    """The commit that was built. The commit of a program named by the caller is unknown."""
+    """The commit that was built; the commit of a program that the caller names is unknown."""
     if "ECHOMARCH" in os.environ:
         return "a program named by the caller"
     return "commit " + first_line(["git", "-C", Path(__file__).parent, "describe", "--always", "--dirty"])
