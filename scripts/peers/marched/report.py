@@ -12,7 +12,7 @@ class Rounds:
 
     def __init__(self, rows):
         self.timed = [row for row in rows if "seconds" in row]
-        # If there are several comparisons, the last one is used.
+        # The last comparison counts if there are several.
         self.errors = {(row["scene"], row["iterations"], row["peer"]): row for row in rows if "heard" in row}
         self.scenes = [name for name in NAMES if any(row["scene"] == name for row in self.timed)]
         self.peers = list(dict.fromkeys(row["peer"] for row in self.timed))
@@ -23,7 +23,7 @@ class Rounds:
         return {row["round"]: row["waves"] * ITERATIONS / row["seconds"] / 1e6 for row in rows}
 
     def ratio(self, one, other, scene):
-        """The speed relative to another peer: the median over the rounds that include both."""
+        """The speed relative to the other peer: the median over the rounds that include both."""
         ours, theirs = self.rates(one, scene), self.rates(other, scene)
         shared = [ours[at] / theirs[at] for at in ours if at in theirs]
         return median(shared) if shared else None
@@ -37,28 +37,28 @@ def markdown(rows, missing, echomarch, quick):
         "# Marched fields beside other programs",
         f"`scripts/peers.sh --marched` on `{renderer(rows)}`, one core of {processor()}: {count} interleaved round"
         + ("" if count == 1 else "s")
-        + (". This is a trial with few waves, and its figures are not reliable." if quick else "."),
+        + (", with few waves: this is a trial, and its figures are not reliable." if quick else "."),
         f"All programs trace the same {waves:,} random start directions for {ITERATIONS} iterations, with one thread. "
-        "`cave` is the built-in scene. `gyroid` and `ground` (five octaves of noise) are users' GLSL fields in a "
-        "room; `gyroid-gradient` also states its gradient. Fields and scenes are in `scripts/peers/marched/`.",
-        "The *60-line tracer* is a tracer that a user would write: it steps by the value until the value is below a "
-        "millimetre, computes the normal from six values, and does all iterations in one pass. Its version in C++ with "
-        "AVX2 shows the speed of steps by the value on this processor without OpenGL. The *design by the line* uses "
-        "more information: the value with its slope and a bound of the second derivative along the wave's line, and "
-        "the point where the line leaves each convex part of the air. With *sorted starts* neighbouring waves start "
-        "in neighbouring directions.",
+        "`cave` is the built-in scene. `gyroid` and `ground` (five octaves of noise) are users' texts in a room; "
+        "`gyroid-gradient` is `gyroid` with a stated gradient. Texts and scenes are in `scripts/peers/marched/`.",
+        "The *60-line tracer* is the tracer that a user would write. Its steps are the values of the field, until the "
+        "value is below a millimetre. It computes the normal from six values, and traces all iterations in one pass. "
+        "The same tracer in C++ with AVX2 shows the speed of such steps on this processor without OpenGL. The *design "
+        "by the line* uses more information: the slope of the value and a bound of its second derivative along the "
+        "wave's line, and the places where the line leaves each convex part of the air. With *sorted starts* "
+        "neighbouring waves start in neighbouring directions.",
         "## Rates",
-        "Millions of waves times iterations per processor second, for whole frames. Medians over the rounds, with the "
-        "minimum and the maximum.",
+        "Rates are in million waves times iterations per second of processor time, for whole frames. Each cell has "
+        "the median over the rounds, and in brackets the smallest and the largest rate.",
         rates_table(rounds),
         "## Ratios",
-        "Ratios of two rates of the same round, as medians over the rounds.",
+        "A ratio compares the rates of one round. Each cell has the median over the rounds.",
         ratios_table(rounds),
         "## Errors",
-        "Compared with the waves of `reference.cpp`, which steps by the value in `f64` to 1e-12 m and shares no code "
-        "with Echomarch. *Other status*: the share of waves whose status (heard, lost, or the number of a surface) "
-        "differs from that of the exact wave. *First hit* and *end* are the distances in metres from the exact point "
-        "after the first and after the last iteration, as the median and as the 99th percentile.",
+        "Waves are compared with the waves of `reference.cpp`. This program steps by the value in `f64` to 1e-12 m "
+        "and shares no code with Echomarch. *Other status* is the share of waves whose status (heard, lost, or the "
+        "surface) differs from that of the exact wave. *First hit* and *end* are the distances in metres from the "
+        "exact point after the first and after the last iteration: the median and the 99 % quantile.",
         errors_tables(rounds),
         "## What ran",
         "\n".join([of_echomarch(rows, echomarch), of_compiler(), f"- {machine()}", *left_out(missing)]),
