@@ -11,8 +11,8 @@ from common.markdown import machine, short, table
 from common.program import first_line, slug, trace
 from report import growth, operations
 
-# Bytes that each part of a frame reads and writes per wave: a wave takes two texels of RGBA32F, its contribution takes
-# one. A frame that is drawn as one pass writes only the contribution.
+# Bytes that each part of a frame reads and writes per wave: a wave takes two texels of RGBA32F, its contribution one.
+# A frame that is drawn as one pass writes only the contribution.
 BYTES = {"initialise": 32, "march": 64, "pan": 32 + 16, "whole": 16, "read_back": 16}
 SCENES = ("shoebox", "corner", "obstacles")
 PAPER = "../cost-on-paper.md"
@@ -37,7 +37,7 @@ def arguments():
 
 
 def said(command, expected=(0,)):
-    """The standard output of a program."""
+    """The output of a program."""
     command = [str(word) for word in command]
     print(" ".join(command), file=sys.stderr)
     ran = subprocess.run(command, capture_output=True, text=True)
@@ -65,8 +65,7 @@ def hard_cases(asked):
         failed = [name for name, is_passed in passed.items() if not is_passed]
         told = f", fails {', '.join(failed)}" if failed and profile != "thesis" else ""
         lines.append(f"- `{profile}` passes {len(passed) - len(failed)} of {len(passed)}{told}")
-    legend = "The cases are those of `verify`. `thesis` is known to fail many of them, and its failures do not count."
-    return legend + "\n\n" + "\n".join(lines)
+    return "The cases are those of `verify`. `thesis` is expected to fail many of them.\n\n" + "\n".join(lines)
 
 
 def tables_of_figures(asked, folder):
@@ -131,7 +130,7 @@ def passes(asked, scene, profile):
     made = [
         Pass("initialise", waves, apart["initialise"], BYTES["initialise"]),
         Pass(
-            "march, one pass per iteration",
+            "march, one iteration per pass",
             waves,
             apart["march"],
             BYTES["march"] * iterations,
@@ -167,13 +166,13 @@ def shares(asked):
     ]
     parts = [
         "## Share of memory bandwidth and arithmetic",
-        f"Bytes and operations as counted in [cost on paper]({PAPER}), divided by the time of each part. The limits of "
-        f"the card, from its data sheet: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for "
-        "`hybrid` if glslang and SPIRV-Tools are installed.",
+        f"Bytes and operations are counted as in [cost on paper]({PAPER}), and divided by the time of each part. The "
+        f"data sheet of the card states: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for `hybrid`, if "
+        "glslang and SPIRV-Tools are installed.",
     ]
     chosen = SCENES[:1] if asked.quick else SCENES
     counted = [[scene, *operation_cells(asked, scene)] for scene in chosen]
-    parts.append(table(["operations per wave, `hybrid`", "initialise", "march, one iteration", "pan"], counted))
+    parts.append(table(["operations per wave, `hybrid`", "initialise", "march, per iteration", "pan"], counted))
     for scene in chosen:
         parts += [passes(asked, scene, profile) for profile in asked.profiles]
     return parts
@@ -198,7 +197,7 @@ def main():
         f"# {what}: {renderer}",
         f"`scripts/gpu-report.sh`; {machine()} ({cores}); {first_line([asked.echomarch, '--version'])}, commit "
         f"{first_line(['git', 'describe', '--always', '--dirty'])}. Times: {clock}"
-        + (". This is a trial with few waves, and its times are not reliable." if asked.quick else "."),
+        + ("; this is a trial with few waves, and its times are not reliable." if asked.quick else "."),
     ]
     with tempfile.TemporaryDirectory() as folder:
         if not asked.growth:
@@ -206,8 +205,11 @@ def main():
             parts += ["## Hard cases", hard_cases(asked), tables_of_figures(asked, folder)]
             parts += shares(asked)
         made = grown(asked, folder)
-    expected = f"[Cost on paper]({PAPER}#growth) states the expected growth and explains the deviations from it."
-    parts += ["## Growth", expected]
+    parts += [
+        "## Growth",
+        f"[Cost on paper]({PAPER}#growth) states the expected growth, and the reasons for deviations from a straight "
+        "line.",
+    ]
     drawn = output.with_suffix(".svg")
     parts.append(f"![Time and memory against waves, iterations and surfaces]({drawn.name})")
     parts += [sweep.markdown() for sweep in made]

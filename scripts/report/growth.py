@@ -13,18 +13,18 @@ SCENE = "corner"
 ITERATIONS = 8
 # Number of waves in the sweeps over iterations and surfaces: by default, and with --quick.
 WAVES, FEW_WAVES = 65_536, 1_024
-# Maximum of waves times iterations, summed over all timed frames of a count. Short frames are repeated more often.
+# Maximum of waves times iterations over all timed frames of a count: short frames are repeated more often.
 MOST_WORK = 8 * WAVES * ITERATIONS
-# A count is on the straight line if its time per wave and iteration is within this share of the usual time.
+# A count is on the straight line if its cost per wave and iteration is within this share of the usual cost.
 OFF_THE_LINE = 0.25
 
 LEGENDS = {
-    "waves": f"`{SCENE}`, {ITERATIONS} iterations. *ns*: nanoseconds of a frame per wave and iteration. *init … read*: "
-    "share of initialise, march, pan and read-back in the frame, in percent. *MiB*: peak memory of the process, "
-    "without the memory of a graphics card.",
+    "waves": f"`{SCENE}`, {ITERATIONS} iterations. *ns* is the time of a frame per wave and iteration, in nanoseconds. "
+    "*init … read* are the shares of initialise, march, pan and read-back in the frame, in percent. *MiB* is the "
+    "maximum memory of the process; the memory of a graphics card is not included.",
     "iterations": f"`{SCENE}`, {{waves:,}} waves.",
-    "surfaces": f"A hall of pillars 4 m apart, including the room; {{waves:,}} waves, {ITERATIONS} iterations. "
-    "*start*: seconds to load the scene, to compile its shaders and to trace its first frame.",
+    "surfaces": f"The scene is a hall of pillars 4 m apart, with its room; {{waves:,}} waves, {ITERATIONS} iterations. "
+    "*start* is the time in seconds to load the scene, to compile its shaders, and to trace its first frame.",
 }
 
 
@@ -64,18 +64,18 @@ class Sweep:
         return [self.found[count, profile] for count in self.counts]
 
     def usual(self, profile):
-        """The usual time per wave and iteration: the median over the upper half of the counts."""
+        """The usual cost per wave and iteration: the median over the upper half of the counts."""
         costs = [found["ns"] for found in self.of(profile)]
         return median(costs[len(costs) // 2 :])
 
     def on_the_line(self, profile):
-        """The counts at which the time is near the usual time, as text."""
+        """The counts at which the cost is near the usual cost, as text."""
         usual = self.usual(profile)
         near = [
             count for count, found in zip(self.counts, self.of(profile)) if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
         ]
-        words = ", ".join(f"{count:,}" for count in near) or "nowhere"
-        return f"- `{profile}`: {short(usual)} ns within {OFF_THE_LINE:.0%} at {words}"
+        words = ", ".join(f"{count:,}" for count in near) or "none"
+        return f"- `{profile}`: {short(usual)} ns, within {OFF_THE_LINE:.0%} at the counts {words}"
 
     def markdown(self):
         heads = [self.name]
@@ -112,7 +112,7 @@ class Sweep:
             profile: [(count, found["milliseconds"]["total"]) for count, found in zip(self.counts, self.of(profile))]
             for profile in self.profiles
         }
-        return (f"time by {self.name}", self.name, "milliseconds per frame", lines)
+        return (f"time by {self.name}", self.name, "milliseconds a frame", lines)
 
     def memory(self):
         """The memory used at each count; None if unknown."""
@@ -133,7 +133,7 @@ def powers(first, factor, last):
 
 def sweeps(quick, profiles, only):
     """The sweeps over waves (up to 16.7 million), iterations (up to 1024) and surfaces (up to 65,536, because the size
-    of scene files is limited); with lower limits if `quick`."""
+    of scene files is limited); with lower limits when quick."""
     limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 65_536}
     if quick:
         limits = {"waves": 1_024, "iterations": 4, "surfaces": 32}
