@@ -1,4 +1,4 @@
-"""Compares the waves of several renderers with those of the first renderer; called by scripts/renderers.sh."""
+"""Compares the waves of several renderers with those of the first, as Markdown; called by scripts/renderers.sh."""
 
 import argparse
 import array
@@ -41,7 +41,7 @@ FAR = 0.01  # metres: more than rounding causes in a few reflections without cha
 
 
 class Waves:
-    """The waves in a dump of the program: start, position, direction and status of each wave."""
+    """The waves that a program has dumped: start, position, direction and status of each."""
 
     def __init__(self, file):
         with open(file, newline="") as opened:
@@ -73,7 +73,7 @@ class Renderer:
                 self.words.append(word)
 
     def trace(self, scene, profile, waves, iterations, file):
-        """The waves and the report of the program. Options in `words` override the options in the arguments."""
+        """The waves and the report of the program. Options in `words` override those of the arguments."""
         options = {"--waves": str(waves)}
         options |= dict(zip(self.words[::2], self.words[1::2]))
         command = [str(self.echomarch), "trace", str(scene), "--profile", profile]
@@ -121,7 +121,7 @@ def elsewhere(first, second):
 
 
 class Traced:
-    """The first renderer's waves in each scene, with the original and the moved source; each is traced only once."""
+    """The first renderer's waves in each scene, as it is and with the source moved; each is traced only once."""
 
     def __init__(self, renderer, asked, folder):
         self.renderer, self.asked, self.folder = renderer, asked, Path(folder)
@@ -148,8 +148,8 @@ class Traced:
 HEADS = [
     "scene",
     "waves",
-    "start error, m",
-    "error after 1 iteration, m",
+    "starts off by",
+    "after 1 iteration off by, m",
     "at another object",
     "same bits at the end",
     "end elsewhere",
@@ -208,8 +208,9 @@ def main():
             f"# Waves by renderer, against {said['renderer']}",
             f"`scripts/renderers.sh`; {machine()}; {first_line([asked.echomarch, '--version'])}, commit "
             f"{first_line(['git', 'describe', '--always', '--dirty'])}; {asked.iterations} iterations.",
-            f"*By chance*: waves that end elsewhere on the first renderer if the source is moved by {MOVED:g} m. "
-            f"*Elsewhere*: at another object, or more than {FAR:g} m away.",
+            f"*End elsewhere* is the number of waves that end at another object than on the first renderer, or more than "
+            f"{FAR:g} m away. *By chance* is the same number for the first renderer alone, with the source moved by "
+            f"{MOVED:g} m.",
         ]
         more = dict(words.split("=", 1) for words in asked.more)
         parts += [section(first, name, settings) for name, settings in (OTHERS | more).items()]
