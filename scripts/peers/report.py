@@ -164,8 +164,8 @@ def versions(rows, missing, work, echomarch):
         f"- Embree: {package('libembree-dev')}. Walls and boxes are quads. Pillars are user geometry that intersects "
         "eight rays with the circle at a time (the fastest of three variants, see embree.cpp). The listener is "
         "intersected in closed form outside of Embree. Embree uses AVX-512 if the processor supports it",
-        f"- pyroomacoustics: {pyroom_version(work)}. A is its shoe box. B is its general room, with pillars as prisms of "
-        "16 sides",
+        f"- pyroomacoustics: {pyroom_version(work)}. A is its shoe box. B is its general room, with pillars as "
+        "prisms of 16 sides",
         f"- {machine()}",
     ]
     said += left_out(missing)

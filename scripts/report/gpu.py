@@ -167,8 +167,8 @@ def shares(asked):
     parts = [
         "## Share of memory bandwidth and arithmetic",
         f"Bytes and operations are counted as in [cost on paper]({PAPER}), and divided by the time of each part. The "
-        f"data sheet of the card states: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for `hybrid`, if "
-        "glslang and SPIRV-Tools are installed.",
+        f"data sheet of the card states: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for "
+        "`hybrid`, if glslang and SPIRV-Tools are installed.",
     ]
     chosen = SCENES[:1] if asked.quick else SCENES
     counted = [[scene, *operation_cells(asked, scene)] for scene in chosen]

@@ -208,8 +208,8 @@ def main():
             f"# Waves by renderer, against {said['renderer']}",
             f"`scripts/renderers.sh`; {machine()}; {first_line([asked.echomarch, '--version'])}, commit "
             f"{first_line(['git', 'describe', '--always', '--dirty'])}; {asked.iterations} iterations.",
-            f"*End elsewhere* is the number of waves that end at another object than on the first renderer, or more than "
-            f"{FAR:g} m away. *By chance* is the same number for the first renderer alone, with the source moved by "
+            f"*End elsewhere* is the number of waves that end at another object than on the first renderer, or more "
+            f"than {FAR:g} m away. *By chance* is the same number for the first renderer alone, with the source moved by "
             f"{MOVED:g} m.",
         ]
         more = dict(words.split("=", 1) for words in asked.more)
