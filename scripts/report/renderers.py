@@ -209,8 +209,8 @@ def main():
             f"`scripts/renderers.sh`; {machine()}; {first_line([asked.echomarch, '--version'])}, commit "
             f"{first_line(['git', 'describe', '--always', '--dirty'])}; {asked.iterations} iterations.",
             f"*End elsewhere* is the number of waves that end at another object than on the first renderer, or more "
-            f"than {FAR:g} m away. *By chance* is the same number for the first renderer alone, with the source moved by "
-            f"{MOVED:g} m.",
+            f"than {FAR:g} m away. *By chance* is the same number for the first renderer alone, with the source moved "
+            f"by {MOVED:g} m.",
         ]
         more = dict(words.split("=", 1) for words in asked.more)
         parts += [section(first, name, settings) for name, settings in (OTHERS | more).items()]
