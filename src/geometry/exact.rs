@@ -182,6 +182,13 @@ impl ExactScene {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
+    pub(crate) fn nearest(&self, point: DVec3) -> u32 {
+        let distances = self.surfaces.iter().map(|surface| surface.distance(point));
+        let nearest = (1..).zip(distances).min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or(0, |(surface, _)| surface)
+    }
+
     /// Whether a world point is more than `depth` metres inside a solid.
     pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
         let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;

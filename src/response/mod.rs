@@ -38,12 +38,14 @@
 //! ```
 
 mod diagnosis;
+mod diffraction;
 mod duration;
 mod early_part;
 mod echogram;
 mod error;
 mod exact_paths;
 mod figures;
+mod hidden;
 mod impulse_response;
 mod late;
 mod settings;
@@ -62,7 +64,7 @@ pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};
 pub use settings::ResponseSettings;
-pub use source_sound::{HeardPath, HeardSource, Level};
+pub use source_sound::{HeardPath, HeardSource, Level, PathKind};
 
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -164,10 +166,19 @@ impl Response {
         } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
         let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
-        part.left_over()
-            .for_each(|arrival| medium.add(&mut echogram, arrival));
         let all_paths = part.heard(pair, &medium);
+        let around = match settings.diffracts() && direct(&all_paths).is_none() {
+            true => hidden::paths_around(pair, &medium)?,
+            false => Vec::new(),
+        };
+        // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
+        let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && !around.is_empty();
+        part.left_over()
+            .filter(|arrival| !is_replaced(arrival))
+            .for_each(|arrival| medium.add(&mut echogram, arrival));
         let mut paths = all_paths.clone();
+        paths.extend(around);
+        paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
         // If waves were given up, only the remaining waves contribute to the later decay.

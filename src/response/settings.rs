@@ -39,6 +39,9 @@ pub struct ResponseSettings {
     pub bin_s: f64,
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
+    /// Whether sound bends around obstacles that hide the source from the listener: true by default. The profile
+    /// `thesis` has no diffraction.
+    pub diffraction: bool,
 }
 
 /// The fields of [`ResponseSettings`], all of them optional.
@@ -52,6 +55,7 @@ struct SettingsFile {
     order: Option<u32>,
     bin_s: f64,
     batches: usize,
+    diffraction: bool,
 }
 
 impl Default for SettingsFile {
@@ -64,6 +68,7 @@ impl Default for SettingsFile {
             order,
             bin_s,
             batches,
+            diffraction,
         } = ResponseSettings::default();
         SettingsFile {
             trace,
@@ -73,6 +78,7 @@ impl Default for SettingsFile {
             order,
             bin_s,
             batches,
+            diffraction,
         }
     }
 }
@@ -89,6 +95,7 @@ impl TryFrom<SettingsFile> for ResponseSettings {
             order: file.order,
             bin_s: file.bin_s,
             batches: file.batches,
+            diffraction: file.diffraction,
         };
         settings.validate()?;
         Ok(settings)
@@ -113,6 +120,7 @@ impl Default for ResponseSettings {
             order: None,
             bin_s: 1e-3,
             batches: 16,
+            diffraction: true,
         }
     }
 }
@@ -157,6 +165,18 @@ impl ResponseSettings {
     pub fn with_late_waves(mut self, waves: u32) -> ResponseSettings {
         self.late_waves = Some(waves);
         self
+    }
+
+    /// Sets whether sound bends around obstacles that hide the source from the listener.
+    #[must_use]
+    pub fn with_diffraction(mut self, diffraction: bool) -> ResponseSettings {
+        self.diffraction = diffraction;
+        self
+    }
+
+    /// Whether responses have diffracted paths.
+    pub(super) fn diffracts(&self) -> bool {
+        self.diffraction && self.trace.profile() != Profile::Thesis
     }
 
     /// Sets the maximum number of reflections of exact paths.

@@ -108,10 +108,25 @@ fn along(
     all
 }
 
-/// A specular path from source to listener, and the sound along it.
+/// The way in which a path leads from the source to the listener.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum PathKind {
+    /// In a straight line through the air.
+    Direct,
+    /// Over reflections.
+    Mirrored,
+    /// Around obstacles that hide the source: the path's points lie on their edges.
+    Diffracted,
+}
+
+/// An exact path from source to listener, and the sound along it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct HeardPath {
+    /// Whether the path is straight, mirrored or diffracted.
+    pub kind: PathKind,
     /// The path's geometry.
     pub path: SpecularPath,
     /// Seconds from the source's impulse to its arrival.
@@ -129,7 +144,7 @@ pub struct HeardPath {
 impl HeardPath {
     /// Whether this path is the direct sound.
     pub fn is_direct(&self) -> bool {
-        self.path.surfaces.is_empty()
+        self.kind == PathKind::Direct
     }
 
     /// The path as a tap of an impulse response.

@@ -7,7 +7,7 @@ pub(super) use caught::Caught;
 
 use super::late::casts_shadows;
 use super::source_sound::{
-    HeardPath, Medium, comes_from, crossing, mirrored_share, passing, reflectance_of,
+    HeardPath, Medium, PathKind, comes_from, crossing, mirrored_share, passing, reflectance_of,
 };
 use crate::bands::{self, Bands};
 use crate::error::Error;
@@ -203,7 +203,12 @@ impl EarlyPart {
             };
             let emitted = at_listener.map(|energy| energy * medium.level);
             let (azimuth, elevation) = comes_from(pair.listener, -path.arrival_direction);
+            let kind = match path.surfaces.is_empty() {
+                true => PathKind::Direct,
+                false => PathKind::Mirrored,
+            };
             HeardPath {
+                kind,
                 path: path.clone(),
                 delay_s: path.length_m / medium.speed,
                 energy: bands::through_air(&emitted, &medium.air, path.length_m),

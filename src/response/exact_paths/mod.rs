@@ -128,6 +128,11 @@ impl EarlyPaths {
         Ok(EarlyPaths { exact, surfaces })
     }
 
+    /// The surfaces in closed form.
+    pub(crate) fn exact(&self) -> &ExactScene {
+        &self.exact
+    }
+
     /// The ends of paths: the pair's source and listener. An end that lies in a solid only because coordinates are
     /// rounded to `f32` is moved onto the surface.
     pub(crate) fn ends(&self, pair: Pair) -> Ends {

@@ -6,7 +6,7 @@ use super::notes;
 use super::pairs::NamedPair;
 use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use echomarch::response::{BandFigures, Figures};
-use echomarch::response::{HeardPath, Response, ResponseSettings};
+use echomarch::response::{HeardPath, PathKind, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::scene::shape::Room;
 use echomarch_lab::columns;
@@ -84,7 +84,10 @@ struct DirectReport {
 
 #[derive(Serialize)]
 struct PathReport<'a> {
+    kind: PathKind,
+    /// Number of reflections.
     order: usize,
+    /// The surfaces that reflect or diffract the path, in order.
     surfaces: &'a [u32],
     /// The reflecting walls of rooms: left, right, floor, ceiling, front, back.
     walls: Vec<Option<&'static str>>,
@@ -158,7 +161,11 @@ fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
 
 fn of_path(path: &HeardPath) -> PathReport<'_> {
     PathReport {
-        order: path.path.surfaces.len(),
+        kind: path.kind,
+        order: match path.kind {
+            PathKind::Diffracted => 0,
+            _ => path.path.surfaces.len(),
+        },
         surfaces: &path.path.surfaces,
         walls: wall_names(path).collect(),
         delay_s: path.delay_s,
@@ -241,9 +248,11 @@ impl Row for BandRow {
 fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     let shown = response.paths.iter().take(PATHS_IN_TEXT);
     for path in shown {
-        let over = match path.is_direct() {
-            true => "direct".to_owned(),
-            false => format!("over {}", mirrors(scene, path).join(", ")),
+        let surfaces = || surfaces(scene, path).join(", ");
+        let over = match path.kind {
+            PathKind::Direct => "direct".to_owned(),
+            PathKind::Diffracted => format!("diffracted around {}", surfaces()),
+            _ => format!("over {}", surfaces()),
         };
         let strength = mean_strength_db(path);
         print::line(&format!(
@@ -260,8 +269,8 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// The surfaces that reflect a path, by name or number, and the walls of rooms.
-fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
+/// The surfaces that reflect or diffract a path, by name or number, and the walls of rooms.
+fn surfaces(scene: &Scene, path: &HeardPath) -> Vec<String> {
     let surfaces = path.path.surfaces.iter().zip(wall_names(path));
     let name = |(number, wall): (&u32, Option<&str>)| {
         let surface = scene.surfaces.get(*number as usize - 1);

@@ -1,0 +1,115 @@
+//! Edges at the contacts of a taut string: their lines, the stationary way over them, and the angles of their faces.
+
+use super::space::Space;
+use super::wedge::Wedge;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// A straight edge near a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Edge {
+    /// A point on the edge, in world metres.
+    pub point: DVec3,
+    /// Unit vector along the edge.
+    pub along: DVec3,
+}
+
+/// Passes of the search for the stationary way over several edges: each pass moves one contact after the other to the
+/// best place, and the error falls by a constant factor.
+const PASSES: usize = 64;
+
+/// Moves the contacts in `points` (source, contacts, listener) along their edges to the shortest way.
+pub(super) fn shorten(points: &mut [DVec3], edges: &[Edge]) {
+    let passes = match edges.len() {
+        1 => 1,
+        _ => PASSES,
+    };
+    for _ in 0..passes {
+        for (index, edge) in edges.iter().enumerate() {
+            points[index + 1] = edge.shortest(points[index], points[index + 2]);
+        }
+    }
+}
+
+impl Edge {
+    /// The point of the edge on the shortest way from `a` to `b`: both legs meet the edge at the same angle (Fermat).
+    fn shortest(&self, a: DVec3, b: DVec3) -> DVec3 {
+        let (along_a, off_a) = self.split(a);
+        let (along_b, off_b) = self.split(b);
+        let (a_m, b_m) = (off_a.length(), off_b.length());
+        let sum = a_m + b_m;
+        let along = match sum > 0.0 {
+            true => (along_a * b_m + along_b * a_m) / sum,
+            false => 0.5 * (along_a + along_b),
+        };
+        self.point + self.along * along
+    }
+
+    /// Distance of a point along the edge, and its vector from the edge.
+    fn split(&self, point: DVec3) -> (f64, DVec3) {
+        let from = point - self.point;
+        let along = from.dot(self.along);
+        (along, from - self.along * along)
+    }
+
+    /// The wedge of air around the edge between the ends of its two legs. `is_hidden` states whether the edge hides the
+    /// ends from each other; `radius` is the distance from the edge, in metres, at which the faces are sought.
+    ///
+    /// `None` if an end lies on the edge's line or no face is found.
+    pub fn wedge(
+        &self,
+        space: &impl Space,
+        [a, b]: [DVec3; 2],
+        is_hidden: bool,
+        radius: f64,
+    ) -> Option<Wedge> {
+        let (along_a, off_a) = self.split(a);
+        let (along_b, off_b) = self.split(b);
+        let towards_a = off_a.try_normalize()?;
+        let towards_b = off_b.try_normalize()?;
+        let side = self.along.cross(towards_a);
+        // A string bends round the solid: in the shadow the way through the air is the longer way round the edge.
+        let angle = towards_b.dot(side).atan2(towards_b.dot(towards_a));
+        let through_air = match is_hidden {
+            true => angle - 2.0 * PI * angle.signum(),
+            false => angle,
+        };
+        // From each leg on, away from the other.
+        let turn = through_air.signum();
+        let face_a = self.face(space, towards_a, side * -turn, radius)?;
+        let side_b = self.along.cross(towards_b);
+        let face_b = self.face(space, towards_b, side_b * turn, radius)?;
+        Some(Wedge {
+            air_angle: face_a + through_air.abs() + face_b,
+            source_m: off_a.length(),
+            source_angle: face_a,
+            receiver_m: off_b.length(),
+            receiver_angle: face_a + through_air.abs(),
+            along_m: (along_b - along_a).abs(),
+        })
+    }
+
+    /// The angle in radians from the direction `x` towards `y` at which the circle about the edge enters a solid, up to
+    /// half a turn.
+    fn face(&self, space: &impl Space, x: DVec3, y: DVec3, radius: f64) -> Option<f64> {
+        let mut angle = 0.0_f64;
+        for _ in 0..MOST_STEPS {
+            let point = self.point + (x * angle.cos() + y * angle.sin()) * radius;
+            let clearance = space.distance(point) / radius;
+            if clearance <= FACE_ERROR {
+                return Some(angle);
+            }
+            // A chord is shorter than its arc: no step passes a surface.
+            angle += clearance;
+            if angle > PI {
+                return None;
+            }
+        }
+        Some(angle)
+    }
+}
+
+/// Error of a face's angle in radians: it changes a level by less than 0.01 dB.
+const FACE_ERROR: f64 = 1e-4;
+/// Steps in search of a face.
+const MOST_STEPS: usize = 200;

@@ -1,0 +1,87 @@
+//! Tests of single parts. `tests/diffraction` compares whole responses with exact solutions.
+
+use super::wedge::{Wedge, shadow_function};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+const SPEED: f64 = 343.0;
+
+fn degrees(angle: f64) -> f64 {
+    angle.to_radians()
+}
+
+/// Protects the shadow function: its power series and its continued fraction agree where one gives way to the other.
+#[test]
+fn the_shadow_function_is_smooth() {
+    let [below, above] = [2.999_999_999, 3.000_000_001].map(shadow_function);
+    assert!((below - above).norm() < 2e-9, "{below} and {above}");
+    assert_eq!(shadow_function(0.0), Complex64::ONE);
+}
+
+/// Protects levels behind a wedge of 270°: published values of the exact integral.
+#[test]
+fn levels_behind_a_corner_are_the_exact_ones() {
+    let wedge = Wedge {
+        air_angle: degrees(270.0),
+        source_m: 2.0,
+        source_angle: degrees(30.0),
+        receiver_m: 3.0,
+        receiver_angle: degrees(240.0),
+        along_m: 0.0,
+    };
+    let exact_db = [
+        -2.664, -4.387, -6.474, -8.856, -11.503, -14.347, -17.299, -20.293,
+    ];
+    for (exact, hz) in exact_db.into_iter().zip(crate::bands::BANDS_HZ) {
+        let pressure = wedge.diffracted(2.0 * PI * hz / SPEED).sum([1.0; 2]);
+        let level = 20.0 * pressure.norm().log10();
+        assert!(
+            (level - exact).abs() < 0.002,
+            "{hz} Hz: {level} dB, exact {exact} dB"
+        );
+    }
+}
+
+/// Protects the shadow boundary: the sum of direct and diffracted sound is continuous there, and half the direct sound.
+#[test]
+fn sound_is_continuous_at_the_shadow_boundary() {
+    let total = |off: f64| {
+        let wedge = Wedge {
+            air_angle: degrees(300.0),
+            source_m: 1.5,
+            source_angle: degrees(40.0),
+            receiver_m: 4.0,
+            receiver_angle: degrees(220.0) + off,
+            along_m: 0.7,
+        };
+        let direct = if off < 0.0 { 1.0 } else { 0.0 };
+        wedge.diffracted(20.0).direct + direct
+    };
+    let (lit, dark) = (total(-1e-7), total(1e-7));
+    assert!((lit - dark).norm() < 1e-5, "{lit} and {dark}");
+    assert!((dark.re - 0.5).abs() < 0.1, "{dark}");
+}
+
+/// Protects reciprocity: source and receiver may change places.
+#[test]
+fn source_and_receiver_may_change_places() {
+    let wedge = Wedge {
+        air_angle: degrees(290.0),
+        source_m: 0.8,
+        source_angle: degrees(20.0),
+        receiver_m: 3.0,
+        receiver_angle: degrees(270.0),
+        along_m: 1.2,
+    };
+    let other = Wedge {
+        source_m: wedge.receiver_m,
+        source_angle: wedge.receiver_angle,
+        receiver_m: wedge.source_m,
+        receiver_angle: wedge.source_angle,
+        ..wedge
+    };
+    for k in [1.0, 10.0, 100.0] {
+        let [there, back] = [wedge, other].map(|wedge| wedge.diffracted(k).sum([1.0; 2]));
+        assert!((there - back).norm() < 1e-9, "{there} and {back}");
+    }
+}

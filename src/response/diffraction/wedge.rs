@@ -1,0 +1,228 @@
+//! Diffraction at the edge of an infinite wedge: the pressure of a point source in `f64`.
+//!
+//! # Theory
+//! The exact solution is an integral over the edge (Biot and Tolstoy 1957, Medwin 1981, in the frequency form of
+//! Svensson, Fred and Vanderkooy, *An analytic secondary source model of edge diffraction impulse responses*, JASA 106,
+//! 1999). For a wedge of air of angle θw, ν = π/θw, with source and receiver at distances rS and rR from the edge, at
+//! angles θS and θR from one face, and z apart along the edge,
+//!
+//! ```text
+//! p = −ν/2π Σ_φ ∫₀^∞ sin νφ / (cosh νη − cos νφ) · e^{ikℓ}/ℓ dη,   φ = π ± θS ± θR,
+//! ℓ² = rS² + rR² + z² + 2 rS rR cosh η.
+//! ```
+//!
+//! The integral is taken along the path of steepest descent, ℓ = L + it²/k, where L is the length over the edge. There
+//! the integrand decays as e^{−t²}, and Gauss–Hermite quadrature converges fast, except for a pole that approaches t = 0
+//! at a shadow boundary. The pole's share is known in closed form, ½ W(x) with W(x) = e^{−ix²} erfc(e^{−iπ/4} x), and
+//! is subtracted.
+//!
+//! # Accuracy
+//! Sixteen nodes give levels within 0.05 dB of the exact integral from 63 Hz to 8 kHz, if source and receiver are at
+//! least half a metre from the edge: `tests/diffraction` compares them.
+
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_4, PI};
+
+/// Positive nodes of Gauss–Hermite quadrature with 16 nodes, and their weights.
+const NODES: [(f64, f64); 8] = [
+    (0.273_481_046_138_152_4, 5.079_294_790_166_137e-1),
+    (0.822_951_449_144_655_8, 2.806_474_585_285_337e-1),
+    (1.380_258_539_198_880_7, 8.381_004_139_898_585e-2),
+    (1.951_787_990_916_253_9, 1.288_031_153_550_997_3e-2),
+    (2.546_202_157_847_481_3, 9.322_840_086_241_808e-4),
+    (3.176_999_161_979_956, 2.711_860_092_537_881e-5),
+    (3.869_447_904_860_123, 2.320_980_844_865_211_5e-7),
+    (4.688_738_939_305_818, 2.654_807_474_011_182e-10),
+];
+
+/// Angle from a shadow boundary, in radians, within which the pole is subtracted: farther away the integrand is smooth.
+const POLE_RANGE: f64 = 0.75 * PI;
+
+/// A source and a receiver beside the edge of a wedge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wedge {
+    /// Angle of the air in radians, from one face to the other: more than π at an edge.
+    pub air_angle: f64,
+    /// Distance of the source from the edge, in metres.
+    pub source_m: f64,
+    /// Angle of the source from the first face, in radians.
+    pub source_angle: f64,
+    /// Distance of the receiver from the edge, in metres.
+    pub receiver_m: f64,
+    /// Angle of the receiver from the first face, in radians.
+    pub receiver_angle: f64,
+    /// Distance of source and receiver along the edge, in metres.
+    pub along_m: f64,
+}
+
+/// The diffracted pressure, relative to the pressure of the source in the open at the receiver's distance: the phase is
+/// relative too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Diffracted {
+    /// The share that continues the direct sound in its shadow.
+    pub direct: Complex64,
+    /// The share that continues the reflection at the first and at the second face.
+    pub reflected: [Complex64; 2],
+}
+
+impl Diffracted {
+    /// The whole pressure with these reflection coefficients of the two faces (Luebbers, *Finite conductivity uniform
+    /// GTD versus knife edge diffraction*, 1984).
+    pub fn sum(&self, coefficients: [f64; 2]) -> Complex64 {
+        self.direct + self.reflected[0] * coefficients[0] + self.reflected[1] * coefficients[1]
+    }
+}
+
+impl Wedge {
+    /// Distance in metres from the source to the receiver over the edge.
+    pub fn length_m(&self) -> f64 {
+        (self.source_m + self.receiver_m).hypot(self.along_m)
+    }
+
+    /// Distance in metres from the source to the receiver, through the solid if it is in the way.
+    pub fn apart_m(&self) -> f64 {
+        self.image_m(self.receiver_angle - self.source_angle)
+    }
+
+    /// The diffracted pressure for the wave number `k`, in rad/m.
+    pub fn diffracted(&self, k: f64) -> Diffracted {
+        let (source, receiver) = (self.source_angle, self.receiver_angle);
+        let term = |angle: f64| self.term(k, angle);
+        Diffracted {
+            direct: term(PI + receiver - source) + term(PI - receiver + source),
+            reflected: [term(PI - receiver - source), term(PI + receiver + source)],
+        }
+    }
+
+    /// Distance in metres between two points at these distances from the edge that lie `angle` apart.
+    fn image_m(&self, angle: f64) -> f64 {
+        let Wedge {
+            source_m: s,
+            receiver_m: r,
+            along_m: z,
+            ..
+        } = *self;
+        // The same as s² + r² − 2 s r cos, without cancellation.
+        let half = (0.5 * angle).sin();
+        ((s - r).powi(2) + z * z + 4.0 * s * r * half * half).sqrt()
+    }
+
+    /// One of the four integrals, at φ = `angle`.
+    fn term(&self, k: f64, angle: f64) -> Complex64 {
+        let i = Complex64::i();
+        let index = PI / self.air_angle;
+        let q = reduced(angle, self.air_angle);
+        let length = self.length_m();
+        let apart = self.apart_m();
+        let product = 2.0 * self.source_m * self.receiver_m;
+        // The pole, as a length: that of the mirror image whose shadow boundary is at q = 0.
+        let image = self.image_m(PI - q);
+        let pole = (q.abs() < POLE_RANGE).then(|| Pole {
+            x: (k * (length - image)).max(0.0).sqrt(),
+            strength: -q.signum_at_zero() * 0.5 * apart / image,
+        });
+        let (sine, cosine) = (index * q).sin_cos();
+        let mut rest = Complex64::ZERO;
+        for (t, weight) in NODES {
+            let descent = i * (t * t / k);
+            // cosh η − 1
+            let over = (2.0 * length + descent) * descent / product;
+            // η = 2 asinh √((cosh η − 1)/2), on the branch with a positive real part.
+            let half = (0.5 * over).sqrt();
+            let eta = 2.0 * (half + (half * half + 1.0).sqrt()).ln();
+            let sinh = 2.0 * half * (half * half + 1.0).sqrt();
+            let kernel = sine / ((index * eta).cosh() - cosine);
+            let step = 4.0 * i * t / (k * product * sinh);
+            let whole = -index / (2.0 * PI) * apart * kernel * step;
+            let singular = pole
+                .as_ref()
+                .map_or(Complex64::ZERO, |pole| pole.integrand(t));
+            rest += weight * (whole - singular);
+        }
+        let whole = rest + pole.map_or(Complex64::ZERO, |pole| pole.integral());
+        whole * (i * k * (length - apart)).exp()
+    }
+}
+
+/// The part of an integral that is singular at a shadow boundary.
+struct Pole {
+    /// Square root of the phase between the way over the edge and that of the mirror image.
+    x: f64,
+    /// Value of the integral at the boundary.
+    strength: f64,
+}
+
+impl Pole {
+    fn integrand(&self, t: f64) -> Complex64 {
+        let i = Complex64::i();
+        let x = self.x;
+        self.strength * 2.0 * i * Complex64::cis(FRAC_PI_4) * x / PI / (i * x * x - t * t)
+    }
+
+    fn integral(&self) -> Complex64 {
+        self.strength * shadow_function(self.x)
+    }
+}
+
+/// `angle` modulo twice the angle of the air, in (−air, air].
+fn reduced(angle: f64, air: f64) -> f64 {
+    let turned = angle.rem_euclid(2.0 * air);
+    match turned > air {
+        true => turned - 2.0 * air,
+        false => turned,
+    }
+}
+
+trait SignumAtZero {
+    /// The sign of a number, with 1 for both zeros.
+    fn signum_at_zero(self) -> f64;
+}
+
+impl SignumAtZero for f64 {
+    fn signum_at_zero(self) -> f64 {
+        match self < 0.0 {
+            true => -1.0,
+            false => 1.0,
+        }
+    }
+}
+
+/// Where the series gives way to the continued fraction: both have an error below 1e-9 there.
+const SERIES_UNTIL: f64 = 3.0;
+
+/// W(x) = e^{−ix²} erfc(e^{−iπ/4} x) for x ≥ 0: 1 at 0, and about e^{iπ/4}/(√π x) for large x.
+///
+/// It is Faddeeva's w(z) at z = e^{iπ/4} x: its power series Σ (iz)ⁿ/Γ(n/2 + 1), or the continued fraction of Laplace
+/// (Gautschi 1970).
+pub(super) fn shadow_function(x: f64) -> Complex64 {
+    let iz = Complex64::from_polar(x, 3.0 * FRAC_PI_4);
+    if x > SERIES_UNTIL {
+        return fraction(Complex64::from_polar(x, FRAC_PI_4));
+    }
+    // Terms of even and odd powers have Γ recurrences of their own.
+    let square = iz * iz;
+    let mut even = Complex64::ONE;
+    let mut odd = iz * (2.0 / PI.sqrt());
+    let mut sum = even + odd;
+    for n in 1..TERMS {
+        let n = f64::from(n);
+        even *= square / n;
+        odd *= square / (n + 0.5);
+        sum += even + odd;
+    }
+    sum
+}
+
+/// Terms of the power series: x²ⁿ/n! is below 1e-15 of the largest term at [`SERIES_UNTIL`].
+const TERMS: u32 = 48;
+
+/// Levels of the continued fraction.
+const LEVELS: u32 = 60;
+
+fn fraction(z: Complex64) -> Complex64 {
+    let mut tail = Complex64::ZERO;
+    for n in (1..=LEVELS).rev() {
+        tail = 0.5 * f64::from(n) / (z - tail);
+    }
+    Complex64::i() / PI.sqrt() / (z - tail)
+}
