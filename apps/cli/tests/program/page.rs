@@ -179,12 +179,12 @@ fn a_page_counts_what_the_program_counts() {
         let file = stage.folder.path().join("balls.ron");
         std::fs::write(&file, many_balls()).unwrap();
         let balls = format!("scene=corner&text={}", escaped(&many_balls()));
-        let cases: [(&str, &str); 3] = [
+        let cases = [
             ("corner", "scene=corner"),
             ("obstacles", "scene=obstacles"),
-            // The scene `cave` is omitted, because Chromium's software renderer loses the context with marched fields
-            // (docs/browser.md).
             (argument(&file), &balls),
+            ("cave", "scene=cave"),
+            ("menger", "scene=menger"),
         ];
         for (scene, link) in cases {
             let link = format!("#{link}&profile=hybrid&waves=65536&iterations=8");
