@@ -1,0 +1,4 @@
+//! Exact solutions of sound diffraction, the references that diffracted levels are compared with.
+
+mod oracle;
+mod oracles_hold;
