@@ -4,11 +4,17 @@
 //! the free field at the direct distance, so it is 1 where there is no body. Lengths are in m, angles in radians, wave
 //! numbers k = 2πf/c in 1/m.
 
+pub mod bessel;
 pub mod half_plane;
 
+mod ball;
+mod cylinder;
 mod quadrature;
+pub mod scaled;
 mod wedge;
 
+pub use ball::ball;
+pub use cylinder::{cylinder, cylinder_line_source};
 pub use wedge::Wedge;
 
 use quadrature::integrate;
@@ -35,4 +41,24 @@ pub fn band_level_db(pressure: impl Fn(f64) -> Complex64, centre_hz: f64) -> f64
         pressure(centre_hz * octaves.exp2()).norm_sqr().into()
     });
     10.0 * energy.re.log10()
+}
+
+/// Distance between two points in m.
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+}
+
+/// Length of a vector in m.
+fn length(a: [f64; 3]) -> f64 {
+    distance(a, [0.0; 3])
+}
+
+/// Terms of a series about a body of radius `a` in m to 1e-16, source and receiver at `r_s` and `r_r` in m from its
+/// centre or axis. Beyond the order ka the terms fall over about 8 (ka)^⅓ orders (creeping waves), and everywhere at
+/// least as (a²/(rS·rR))ⁿ.
+fn term_count(k: f64, a: f64, r_s: f64, r_r: f64) -> usize {
+    /// Natural logarithm of 1e-17, without its sign.
+    const DECAY: f64 = 40.0;
+    let turning = k * a + 10.0 * (k * a).cbrt();
+    (turning + DECAY / (r_s * r_r / (a * a)).ln()).ceil() as usize + 10
 }

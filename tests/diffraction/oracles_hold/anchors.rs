@@ -1,6 +1,6 @@
 //! Known values.
 
-use super::super::oracle::{SPEED_OF_SOUND, Wedge, level_db, wave_number};
+use super::super::oracle::{SPEED_OF_SOUND, Wedge, ball, level_db, wave_number};
 use rustfft::num_complex::Complex64;
 
 /// Octave band centres from 63 Hz to 8 kHz as single frequencies.
@@ -61,5 +61,26 @@ fn sharp_wedge() {
     let direct = (29.0 - 20.0 * (theta_s - theta_r).cos()).sqrt();
     check(&levels, &[10.0, 100.0, 1000.0], 4, |k| {
         wedge.diffracted(k, 2.0, theta_s, 5.0, theta_r, 0.0) / direct
+    });
+}
+
+/// A ball, off the axis and on it, where the waves round it meet in phase (bright spot).
+#[test]
+fn rigid_ball() {
+    let frequencies = &OCTAVES[1..7];
+    let at = |degrees: f64| {
+        [
+            3.0 * degrees.to_radians().cos(),
+            3.0 * degrees.to_radians().sin(),
+            0.0,
+        ]
+    };
+    let off = [-0.44, -4.83, -4.38, -6.31, -8.80, -12.02];
+    check(&off, frequencies, 2, |k| {
+        ball(k, 1.0, [3.0, 0.0, 0.0], at(160.0))
+    });
+    let on = [1.07, 1.66, 1.99, 1.90, 1.26, -0.10];
+    check(&on, frequencies, 2, |k| {
+        ball(k, 1.0, [3.0, 0.0, 0.0], at(180.0))
     });
 }
