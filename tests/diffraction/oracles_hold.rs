@@ -3,4 +3,5 @@
 mod anchors;
 mod functions;
 mod round_bodies;
+mod stored;
 mod wedges;

@@ -33,9 +33,12 @@ pub fn pressure(k: f64, r_s: f64, theta_s: f64, r_r: f64, theta_r: f64, z: f64) 
 fn tail_integral(k_distance: f64, limit: f64) -> Complex64 {
     /// e^{−t²} is below the last digit of `f64`.
     const END: f64 = 7.0;
+    /// The first panel and the ratio of neighbouring ones: H₁ varies most where kR + s² is smallest, at the start.
+    const FIRST_PANEL: f64 = 0.1;
+    const PANEL_RATIO: f64 = 1.5;
     let direction = Complex64::from_polar(1.0, PI / 4.0);
     direction
-        * integrate(&graded(0.1, 1.5, END), |t| {
+        * integrate(&graded(FIRST_PANEL, PANEL_RATIO, END), |t| {
             let s = limit + direction * t;
             hankel_1(k_distance + s * s) / (s * s + 2.0 * k_distance).sqrt()
         })

@@ -8,12 +8,14 @@ pub mod bessel;
 pub mod half_plane;
 
 mod ball;
+mod boundary_elements;
 mod cylinder;
 mod quadrature;
 pub mod scaled;
 mod wedge;
 
 pub use ball::ball;
+pub use boundary_elements::{Body, Row, boundary_elements};
 pub use cylinder::{cylinder, cylinder_line_source};
 pub use wedge::Wedge;
 
