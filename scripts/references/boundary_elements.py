@@ -178,7 +178,8 @@ def write():
         "# bar: rigid rectangle, width_m along x, 2 m along y, its middle at 0. cylinder: diameter width_m, at 0.",
         "# doorway: opening of width_m about y = 0 in an endless rigid wall, 0.1 m thick, its middle at x = 0.",
         "# re, im: total field relative to the free field of the line source, e^(-i w t), c = 343 m/s.",
-        "# Largest errors, by scripts/references/check_boundary_elements.py: bars 0.001 dB, cylinder 0.001 dB, doorway 0.03 dB.",
+        "# check_boundary_elements.py: bars change by at most 0.001 dB with finer panels, the cylinder is within 0.001 dB of its",
+        "# series, the doorway changes by at most 0.03 dB with twice the modes, and by 0.17 dB with walls of 6 m (250, 500 Hz).",
         "body\twidth_m\tfrequency_hz\tsource_x\tsource_y\treceiver_x\treceiver_y\tre\tim",
     ]
     for frequency in OCTAVES:
