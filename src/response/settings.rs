@@ -39,8 +39,8 @@ pub struct ResponseSettings {
     pub bin_s: f64,
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
-    /// Whether sound bends around obstacles that hide the source from the listener: true by default. The profile
-    /// `thesis` has no diffraction.
+    /// Whether sound bends around the edges of obstacles that hide the source from the listener: false by default,
+    /// because round bodies, reflections and late arrivals do not bend yet. The profile `thesis` has no diffraction.
     pub diffraction: bool,
 }
 
@@ -120,7 +120,7 @@ impl Default for ResponseSettings {
             order: None,
             bin_s: 1e-3,
             batches: 16,
-            diffraction: true,
+            diffraction: false,
         }
     }
 }
@@ -167,7 +167,7 @@ impl ResponseSettings {
         self
     }
 
-    /// Sets whether sound bends around obstacles that hide the source from the listener.
+    /// Sets whether sound bends around the edges of obstacles that hide the source from the listener.
     #[must_use]
     pub fn with_diffraction(mut self, diffraction: bool) -> ResponseSettings {
         self.diffraction = diffraction;

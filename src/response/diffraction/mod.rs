@@ -7,6 +7,10 @@
 //! multiply (Pierce, *Diffraction of sound around corners and over wide barriers*, JASA 55, 1974). No list of edges is
 //! needed, so that everything with a distance bends sound.
 //!
+//! # Limits
+//! Round bodies have no edges: a string that touches one gives no path. Several contacts in a row are right to 1 or 2 dB,
+//! and only if they are some wavelengths apart.
+//!
 //! # Deviations
 //! The thesis has no diffraction. The faces' angles are measured at the distance to which sound of a wavelength
 //! perceives a surface, half a Fresnel zone: a rounding, or a step, that is smaller than that does not count.
@@ -63,6 +67,14 @@ const ON_SURFACE: f64 = 1e-5;
 /// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
 const MOST_OF_LEG: f64 = 0.7;
 
+/// Distance from a contact at which the normals on either side are compared, as a share of the shorter leg, and the
+/// factor of a second, smaller distance: the normals of an edge differ as much there, those of a round body less.
+const BESIDE: f64 = 1e-3;
+const NEARER: f64 = 0.125;
+
+/// Step of the differences for a normal, as a share of the distance from the contact.
+const NORMAL_STEP: f64 = 1e-3;
+
 /// The diffracted paths from a source to a listener in the air that do not see each other; none if they do.
 ///
 /// `coefficients` are the pressure reflection coefficients of a surface, by its number and by band.
@@ -112,6 +124,9 @@ impl Bend {
             let mut points = string.points.clone();
             shorten(&mut points, &edges);
             let bend = Bend { points, edges };
+            if !bend.is_sharp(space) {
+                return None;
+            }
             if bend.is_on_solid(space) {
                 return Some(bend.at_contacts());
             }
@@ -131,6 +146,22 @@ impl Bend {
             edge.point = *point;
         }
         self
+    }
+
+    /// Whether all contacts are edges.
+    fn is_sharp(&self, space: &impl Space) -> bool {
+        self.points.windows(3).all(|legs| {
+            let [before, contact, after] = [legs[0], legs[1], legs[2]];
+            let beside = BESIDE * before.distance(contact).min(after.distance(contact));
+            let turn = |beside: f64| {
+                let normal = |towards: DVec3| {
+                    let point = contact + (towards - contact).normalize_or_zero() * beside;
+                    normal(space, point, NORMAL_STEP * beside)
+                };
+                normal(before).angle_between(normal(after))
+            };
+            turn(NEARER * beside) > 0.5 * turn(beside)
+        })
     }
 
     /// Whether all contacts lie on surfaces, and nothing is in the way.
@@ -229,6 +260,13 @@ impl Bend {
         let radius = zone.min(MOST_OF_LEG * legs[0].min(legs[1]));
         edge.wedge(space, ends, true, radius)
     }
+}
+
+/// Unit normal of the surface nearest to a point, by differences over `step` metres.
+fn normal(space: &impl Space, point: DVec3, step: f64) -> DVec3 {
+    let slope =
+        |axis: DVec3| space.distance(point + axis * step) - space.distance(point - axis * step);
+    DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize_or(DVec3::Y)
 }
 
 /// The edges at the contacts of a string, from the string in a half-plane next to its own.
