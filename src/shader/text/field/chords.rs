@@ -37,8 +37,11 @@ pub(in crate::shader) fn chords_text(field: &Shape, place: &Place, assets: &Asse
             statements,
             "    {chord} = {name} + vec2(errorBound, -errorBound);"
         );
-        // The maximum is outside the condition: inside it, SwiftShader compiles four chords (`cave`) for over a minute.
-        let _ = writeln!(steps, "    t = max(t, {chord}.x <= t ? {chord}.y : t);");
+        // Not `x <= t ? max(t, y) : t`: SwiftShader compiles four such lines (`cave`) for over a minute.
+        let _ = writeln!(
+            steps,
+            "    t = {chord}.x <= t && t < {chord}.y ? {chord}.y : t;"
+        );
     }
     let mut body = steps.repeat(TURNS);
     if let Some(bounds) = found.bounds {
