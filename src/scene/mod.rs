@@ -7,6 +7,7 @@
 //! World axes: x to the right, y up, z towards the viewer (right-handed). Lengths are in metres. Angles are in radians
 //! in code and in degrees in files.
 
+mod air;
 mod check;
 mod driven_numbers;
 mod error;
@@ -19,6 +20,7 @@ pub mod shape;
 mod sources_and_listeners;
 mod surface;
 
+pub use air::Air;
 #[doc(hidden)]
 pub use driven_numbers::NamedValue;
 pub use error::{SceneError, Warning};
@@ -27,7 +29,7 @@ pub use file::BasedScene;
 pub(crate) use file::SceneWatch;
 #[doc(hidden)]
 pub use file::bases_of;
-pub use material::{Air, BuiltinMaterial, Material};
+pub use material::{BuiltinMaterial, Material};
 #[doc(hidden)]
 pub use motion::{Driver, Quantity};
 pub use motion::{Key, Motion, Path};

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::material::{HUMIDITIES, PRESSURES, TEMPERATURES};
+use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::shape::LARGEST;
 use super::shape::Room;
 use super::{

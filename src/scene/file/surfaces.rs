@@ -1,7 +1,7 @@
 //! The surfaces, materials and air of a scene file.
 
 use crate::bands::{BAND_COUNT, Bands};
-use crate::scene::material::{HUMIDITIES, PRESSURES, TEMPERATURES};
+use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector, checked};
 use crate::scene::shape::Room;
 use crate::scene::shape::ShapeFile;
