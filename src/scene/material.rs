@@ -1,12 +1,13 @@
-//! Materials of surfaces: absorption and scattering.
+//! Materials of surfaces: absorption, scattering and transmission.
 
+use super::Transmission;
 use crate::bands::{BAND_COUNT, Bands, PerBand};
 use std::ops::Range;
 
 /// See [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES).
 pub(super) const WALL_NAMES: [&str; 6] = ["left", "right", "floor", "ceiling", "front", "back"];
 
-/// How a surface reflects, in each octave band of [`BANDS_HZ`](crate::bands::BANDS_HZ).
+/// How a surface reflects and its solid transmits sound, in each octave band of [`BANDS_HZ`](crate::bands::BANDS_HZ).
 ///
 /// ```
 /// use echomarch::scene::Material;
@@ -24,18 +25,21 @@ pub struct Material {
     /// Share of the reflected energy that leaves in other directions than the specular direction, 0 to 1: the
     /// scattering coefficient (ISO 17497-1).
     pub scattering: Bands,
+    /// The sound that passes through the solid; `None` if no sound passes.
+    pub transmission: Option<Transmission>,
 }
 
 impl Material {
     /// Materials that every scene can use by name. A scene's own material of the same name takes precedence. At 63 Hz
     /// each material has its published value for 125 Hz; at 8 kHz `wood-floor` has its value for 4 kHz. The scattering
-    /// coefficients are 0.
+    /// coefficients are 0. Sound passes through the solids of concrete, glass and marble, which have a density.
     pub const BUILTIN: &[BuiltinMaterial] = BUILTIN_MATERIALS;
 
     /// A perfect mirror, the material of surfaces without a material name.
     pub const MIRROR: Material = Material {
         absorption: [0.0; BAND_COUNT],
         scattering: [0.0; BAND_COUNT],
+        transmission: None,
     };
 
     /// A specular reflector that absorbs a share (0 to 1) of the energy, given as one number for all bands or one
@@ -59,6 +63,15 @@ impl Material {
         }
     }
 
+    /// Returns the material with a solid through which sound passes.
+    #[must_use]
+    pub fn transmitting(self, transmission: Transmission) -> Material {
+        Material {
+            transmission: Some(transmission),
+            ..self
+        }
+    }
+
     /// The share of the energy that a reflection keeps, 1 − absorption.
     pub fn reflectance(&self) -> Bands {
         self.absorption.map(|absorbed| 1.0 - absorbed)
@@ -66,7 +79,12 @@ impl Material {
 
     /// Whether the material reflects all energy specularly in every band.
     pub fn is_mirror(&self) -> bool {
-        *self == Material::MIRROR
+        let Material {
+            absorption,
+            scattering,
+            ..
+        } = Material::MIRROR;
+        (self.absorption, self.scattering) == (absorption, scattering)
     }
 
     /// Whether the material scatters in any of these octave bands.
@@ -101,13 +119,13 @@ pub struct BuiltinMaterial {
     pub name: &'static str,
     /// Description of the measured object.
     pub of: &'static str,
-    /// Publication of the values.
+    /// Publication of the absorption coefficients.
     pub source: &'static str,
     /// The values.
     pub material: Material,
 }
 
-/// The source of all values of [`Material::BUILTIN`].
+/// The source of the absorption coefficients of [`Material::BUILTIN`].
 const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
 
 /// Extends seven published absorption coefficients (125 Hz to 8 kHz) to eight bands. The tables have no values at 63
@@ -121,6 +139,19 @@ const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> Builtin
             absorption: [a[0], a[0], a[1], a[2], a[3], a[4], a[5], a[6]],
             ..Material::MIRROR
         },
+    }
+}
+
+impl BuiltinMaterial {
+    /// Returns the material with a solid of `density` kg/m³ (the design value of EN ISO 10456:2007, table 3). Its
+    /// product of thickness and critical frequency is `coincidence` m·Hz (M. Long, *Architectural Acoustics*, 2006,
+    /// table 9.1).
+    const fn of_mass(mut self, density: f64, coincidence: Option<f64>) -> BuiltinMaterial {
+        self.material.transmission = Some(Transmission::Mass {
+            density,
+            coincidence,
+        });
+        self
     }
 }
 
@@ -145,7 +176,8 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
         "concrete",
         "smooth unpainted concrete",
         [0.01, 0.01, 0.02, 0.02, 0.02, 0.05, 0.05],
-    ),
+    )
+    .of_mass(2300.0, None),
     published(
         "curtain",
         "cotton curtain of 0.5 kg/m², draped to 3/4 of its area, some 130 mm before a wall",
@@ -160,12 +192,14 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
         "glass",
         "glass window of 0.68 kg/m²",
         [0.10, 0.05, 0.04, 0.03, 0.03, 0.03, 0.03],
-    ),
+    )
+    .of_mass(2500.0, Some(12.7)),
     published(
         "marble",
         "marble floor",
         [0.01, 0.01, 0.01, 0.02, 0.02, 0.02, 0.02],
-    ),
+    )
+    .of_mass(2800.0, None),
     published(
         "mineral-wool",
         "50 mm of mineral wool of 40 kg/m³, glued to a wall",
@@ -185,7 +219,8 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
         "rough-concrete",
         "rough concrete",
         [0.02, 0.03, 0.03, 0.03, 0.04, 0.07, 0.07],
-    ),
+    )
+    .of_mass(2300.0, None),
     published(
         "seats",
         "empty chairs, upholstered, with a cover of cloth",
@@ -217,7 +252,9 @@ mod tests {
             let Material {
                 absorption,
                 scattering,
+                transmission,
             } = known.material;
+            assert_eq!(transmission.and_then(|solid| solid.bad_number()), None);
             let mut all = absorption.iter().chain(&scattering);
             assert!(all.all(|share| (0.0..=1.0).contains(share)), "{known:?}");
             assert!(!known.material.is_mirror() && !known.source.is_empty());

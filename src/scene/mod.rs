@@ -19,6 +19,7 @@ mod pair;
 pub mod shape;
 mod sources_and_listeners;
 mod surface;
+mod transmission;
 
 pub use air::Air;
 #[doc(hidden)]
@@ -42,6 +43,7 @@ pub(crate) use shape::{Copies, UserSamples, WaveDomain, halton};
 pub use shape::{Exactness, Node, Properties};
 pub use sources_and_listeners::{Listener, Source};
 pub use surface::{Nearest, Surface};
+pub use transmission::Transmission;
 
 use crate::bands::Bands;
 use crate::scene::shape::{Asset, Room};

@@ -316,6 +316,7 @@ mod tests {
                 1 => share,
                 _ => (share + band as f64 / 16.0).min(1.0),
             }),
+            transmission: None,
         }
     }
 

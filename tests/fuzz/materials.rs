@@ -8,6 +8,10 @@ const TOKENS: &[&str] = &[
     "Material",
     "absorption",
     "scattering",
+    "reduction",
+    "thickness",
+    "density",
+    "coincidence",
     "materials",
     "material",
     "walls",
@@ -38,7 +42,7 @@ const CORPUS: [&str; 3] = [
      \"own\": Material(absorption: 0.25, scattering: [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7])}, source: \
      Source(position: (-3, 0, 1)), listener: Listener(position: (3, 0, 1), radius: 0.5))",
     "Scene(surfaces: [Surface(shape: Room(size: (9, 4, 7)), material: \"own\")], materials: {\"brick\": \
-     Material(absorption: 1, scattering: 0), \"own\": Material(absorption: 0)}, source: Source(position: (-3, 0, 1)), \
+     Material(absorption: 1, density: 1800, coincidence: 20), \"own\": Material(reduction: 35, thickness: 0.1)}, source: Source(position: (-3, 0, 1)), \
      listener: Listener(position: (3, 0, 1), radius: 0.5))",
     "Scene(base: \"corner\", materials: {\"brick\": Material(absorption: 0.5, scattering: 0.99)})",
 ];

@@ -40,6 +40,7 @@ fn scene(room: &RoomWithBoxes) -> Scene {
         let material = Material {
             absorption: [wall.absorption; 8],
             scattering: [wall.scattering; 8],
+            ..Material::MIRROR
         };
         scene.materials.insert(name, material);
     }

@@ -291,6 +291,7 @@ mod tests {
         let material = Material {
             absorption: [0.5; 8],
             scattering: [scattering; 8],
+            ..Material::MIRROR
         };
         scene.materials.insert("m".to_owned(), material);
         scene

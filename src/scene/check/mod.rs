@@ -7,7 +7,8 @@ use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::shape::LARGEST;
 use super::shape::Room;
 use super::{
-    Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source, Surface, Warning,
+    Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source, Surface,
+    Transmission, Warning,
 };
 use glam::Vec3;
 use std::collections::HashSet;
@@ -327,7 +328,14 @@ impl Scene {
                 return Err(self.bad_number(&what, "0 to 1", share));
             }
         }
-        Ok(())
+        let transmission = material.transmission.as_ref();
+        match transmission.and_then(Transmission::bad_number) {
+            None => Ok(()),
+            Some((part, must, value)) => {
+                let what = format!("the {part} of the material {name:?}");
+                Err(self.bad_number(&what, must, value))
+            }
+        }
     }
 
     /// Checks that every material named by the surface exists, and that only rooms have wall materials.

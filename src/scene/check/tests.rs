@@ -93,7 +93,7 @@ fn no_name_is_the_number_of_another() {
 fn bad_sound_is_refused_by_its_name() {
     hall().validate().unwrap();
     type Spoil = fn(&mut Scene);
-    let cases: [(Spoil, &str); 14] = [
+    let cases: [(Spoil, &str); 18] = [
         (
             |s| s.sources = vec![Source::at(Vec3::Z); 257],
             "the number of its sources must be at most 256, not 257",
@@ -158,6 +158,41 @@ fn bad_sound_is_refused_by_its_name() {
                     .insert("own".into(), Material::absorbing(shares));
             },
             "the absorption of the material \"own\" must be 0 to 1, not -0.5",
+        ),
+        (
+            |s| {
+                let stated = Transmission::reduced_by(201.0, 0.1);
+                let bad = Material::MIRROR.transmitting(stated);
+                s.materials.insert("own".into(), bad);
+            },
+            "the reduction in decibels of the material \"own\" must be 0 to 200, not 201",
+        ),
+        (
+            |s| {
+                let stated = Transmission::reduced_by(35.0, 0.0);
+                let bad = Material::MIRROR.transmitting(stated);
+                s.materials.insert("own".into(), bad);
+            },
+            "the thickness in metres of the material \"own\" must be 0.00001 to 100, not 0",
+        ),
+        (
+            |s| {
+                let weightless = Transmission::of_density(f64::NAN);
+                let bad = Material::MIRROR.transmitting(weightless);
+                s.materials.insert("own".into(), bad);
+            },
+            "the density in kg/m³ of the material \"own\" must be 1 to 25000, not NaN",
+        ),
+        (
+            |s| {
+                let stiff = Transmission::Mass {
+                    density: 1800.0,
+                    coincidence: Some(-20.0),
+                };
+                let bad = Material::MIRROR.transmitting(stiff);
+                s.materials.insert("own".into(), bad);
+            },
+            "the coincidence in m·Hz of the material \"own\" must be 1 to 1000, not -20",
         ),
         (
             |s| s.surfaces[0].material = Some("carpt".into()),

@@ -5,6 +5,7 @@
 //! `docs/scene-format.md`.
 
 mod base_scene;
+mod per_band;
 mod serialise;
 mod sources_and_listeners;
 mod surfaces;

@@ -4,12 +4,13 @@
 //! Reading and writing thus share one notation.
 
 use super::SceneFile;
-use crate::bands::BAND_COUNT;
+use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::notation::{Attached, Fields, Form, Written};
 use crate::scene::shape::Room;
 use crate::scene::shape::{form_of, numbered};
 use crate::scene::{
     Air, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source, Surface,
+    Transmission,
 };
 use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
@@ -90,11 +91,33 @@ fn material(of: &Material) -> Written {
     let said = parts
         .into_iter()
         .filter(|(_, bands)| *bands != [0.0; BAND_COUNT]);
-    let written = said.map(|(part, bands)| match bands == [bands[0]; BAND_COUNT] {
-        true => (part, Written::Real(bands[0])),
-        false => (part, Written::List(bands.map(Written::Real).to_vec())),
-    });
-    Written::Struct("Material", written.collect())
+    let mut fields: Fields = said.map(|(part, bands)| (part, by_band(bands))).collect();
+    match of.transmission {
+        None => {}
+        Some(Transmission::Reduction {
+            index_db,
+            thickness_m,
+        }) => fields.extend([
+            ("reduction", by_band(index_db)),
+            ("thickness", Written::Real(thickness_m)),
+        ]),
+        Some(Transmission::Mass {
+            density,
+            coincidence,
+        }) => {
+            fields.push(("density", Written::Real(density)));
+            fields.extend(coincidence.map(|product| ("coincidence", Written::Real(product))));
+        }
+    }
+    Written::Struct("Material", fields)
+}
+
+/// One number if it is the same in all bands, otherwise eight numbers.
+fn by_band(bands: Bands) -> Written {
+    match bands == [bands[0]; BAND_COUNT] {
+        true => Written::Real(bands[0]),
+        false => Written::List(bands.map(Written::Real).to_vec()),
+    }
 }
 
 fn air(of: Air) -> Written {
@@ -372,7 +395,11 @@ mod tests {
                 Surface(shape: Room(size: (90, 90, 90)), material: "brick",
                     walls: (floor: "carpet", back: "tiles")),
             ],
-            materials: {"tiles": Material(absorption: 0.015, scattering: 0.1)},
+            materials: {
+                "tiles": Material(absorption: 0.015, scattering: 0.1),
+                "pane": Material(density: 2500, coincidence: 12.7),
+                "wall": Material(reduction: [30, 33, 36, 39, 42, 45, 48, 51], thickness: 0.1),
+            },
             air: Air(temperature: 7.3),
             source: Source(path: [Key(time: 0, position: (0, 0, 5)), Key(time: 1, position: (1, 0, 5), yaw: 90)]),
             listener: Listener(position: (0, 0, -5), yaw: 33, pitch: -7, radius: 0.3),

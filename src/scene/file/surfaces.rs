@@ -1,15 +1,16 @@
 //! The surfaces, materials and air of a scene file.
 
-use crate::bands::{BAND_COUNT, Bands};
+use super::per_band::{Absorption, OfBands, Reduction, Scattering};
 use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector, checked};
 use crate::scene::shape::Room;
 use crate::scene::shape::ShapeFile;
-use crate::scene::{Air, Material, SceneError, Surface};
+use crate::scene::transmission::{COINCIDENCES, DENSITIES, THICKNESSES_M};
+use crate::scene::{Air, Material, SceneError, Surface, Transmission};
 use crate::text::nearest_or_all;
 use glam::{EulerRot, Quat, Vec3};
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -62,8 +63,12 @@ pub struct Materials(pub BTreeMap<String, Material>);
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
 pub(super) struct MaterialFile {
-    absorption: Option<Shares<false>>,
-    scattering: Option<Shares<true>>,
+    absorption: Option<OfBands<Absorption>>,
+    scattering: Option<OfBands<Scattering>>,
+    reduction: Option<OfBands<Reduction>>,
+    thickness: Option<Thickness>,
+    density: Option<Density>,
+    coincidence: Option<Coincidence>,
     /// The material that supplies the values that are not given.
     #[serde(default)]
     base: Base,
@@ -87,11 +92,42 @@ impl<'de> Deserialize<'de> for Base {
 }
 
 impl MaterialFile {
-    fn material(self) -> Material {
+    /// The material, or the reason why its fields contradict each other.
+    fn material(self) -> Result<Material, &'static str> {
+        let transmission = self.transmission()?;
         let Base(base) = self.base;
-        Material {
+        Ok(Material {
             absorption: self.absorption.map_or(base.absorption, |said| said.0),
             scattering: self.scattering.map_or(base.scattering, |said| said.0),
+            transmission,
+        })
+    }
+
+    fn transmission(&self) -> Result<Option<Transmission>, &'static str> {
+        let base = self.base.0.transmission;
+        let coincidence = self.coincidence.map(|said| said.0);
+        let density = match (&self.density, base) {
+            (Some(said), _) => Some(said.0),
+            (None, Some(Transmission::Mass { density, .. })) => Some(density),
+            _ => None,
+        };
+        match (&self.reduction, self.thickness) {
+            (Some(_), _) if self.density.is_some() || coincidence.is_some() => {
+                Err("has either a reduction or a density, not both")
+            }
+            (Some(_), None) => Err("has a reduction, but no thickness to which it belongs"),
+            (None, Some(_)) => Err("has a thickness, but no reduction that belongs to it"),
+            (Some(index_db), Some(thickness)) => {
+                Ok(Some(Transmission::reduced_by(index_db.0, thickness.0)))
+            }
+            (None, None) if self.density.is_none() && coincidence.is_none() => Ok(base),
+            (None, None) => {
+                let density = density.ok_or("has a coincidence, but no density")?;
+                Ok(Some(Transmission::Mass {
+                    density,
+                    coincidence,
+                }))
+            }
         }
     }
 }
@@ -129,94 +165,6 @@ impl Walls<Name> {
     }
 }
 
-/// Shares of energy by octave band, given as one number or eight numbers. They are shares of the scattered energy if
-/// `SCATTERED`, otherwise of the absorbed energy.
-struct Shares<const SCATTERED: bool>(Bands);
-
-/// A share, checked while it is read.
-struct Share<const SCATTERED: bool>(f64);
-
-const fn what(scattered: bool) -> &'static str {
-    match scattered {
-        true => "a scattering",
-        false => "an absorption",
-    }
-}
-
-impl<const SCATTERED: bool> Share<SCATTERED> {
-    fn new<E: Error>(share: f64) -> Result<Self, E> {
-        if (0.0..=1.0).contains(&share) {
-            return Ok(Share(share));
-        }
-        let what = what(SCATTERED);
-        Err(E::custom(format!("{what} must be 0 to 1, not {share}")))
-    }
-}
-
-impl<'de, const SCATTERED: bool> Deserialize<'de> for Share<SCATTERED> {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        Share::new(f64::deserialize(from)?)
-    }
-}
-
-impl<'de, const SCATTERED: bool> Deserialize<'de> for Shares<SCATTERED> {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        from.deserialize_any(OneOrEight::<SCATTERED>)
-    }
-}
-
-/// Reads a number, or eight numbers in brackets.
-struct OneOrEight<const SCATTERED: bool>;
-
-impl<const SCATTERED: bool> OneOrEight<SCATTERED> {
-    fn all<E: Error>(share: f64) -> Result<Shares<SCATTERED>, E> {
-        let Share(share) = Share::<SCATTERED>::new(share)?;
-        Ok(Shares([share; BAND_COUNT]))
-    }
-}
-
-impl<'de, const SCATTERED: bool> Visitor<'de> for OneOrEight<SCATTERED> {
-    type Value = Shares<SCATTERED>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let what = what(SCATTERED);
-        write!(
-            f,
-            "{what} as a number from 0 to 1 or eight of them in brackets (octave bands 63 Hz to 8 kHz)"
-        )
-    }
-
-    fn visit_f64<E: Error>(self, share: f64) -> Result<Self::Value, E> {
-        OneOrEight::all(share)
-    }
-
-    fn visit_u64<E: Error>(self, share: u64) -> Result<Self::Value, E> {
-        OneOrEight::all(share as f64)
-    }
-
-    fn visit_i64<E: Error>(self, share: i64) -> Result<Self::Value, E> {
-        OneOrEight::all(share as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut shares: A) -> Result<Self::Value, A::Error> {
-        let mut bands = [0.0; BAND_COUNT];
-        let mut count = 0;
-        while let Some(Share(share)) = shares.next_element::<Share<SCATTERED>>()? {
-            if let Some(band) = bands.get_mut(count) {
-                *band = share;
-            }
-            count += 1;
-        }
-        if count == BAND_COUNT {
-            return Ok(Shares(bands));
-        }
-        let what = what(SCATTERED);
-        Err(A::Error::custom(format!(
-            "{what} is one number or eight (octave bands 63 Hz to 8 kHz), not {count}"
-        )))
-    }
-}
-
 impl<'de> Deserialize<'de> for Materials {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Materials, D::Error> {
         from.deserialize_map(ByName)
@@ -244,7 +192,11 @@ impl<'de> Visitor<'de> for ByName {
                 return Err(A::Error::custom(why));
             }
             let said: MaterialFile = said.next_value()?;
-            materials.insert(name, said.material());
+            let material = said.material().map_err(|why| {
+                let why = format!("the material {name:?} {why}");
+                A::Error::custom(why)
+            })?;
+            materials.insert(name, material);
         }
         Ok(Materials(materials))
     }
@@ -291,6 +243,15 @@ checked! {
     /// Kilopascals.
     #[derive(Clone, Copy)]
     Pressure(f64) from f64: |value| within("the air's pressure", &PRESSURES, "kPa", value);
+    /// Metres.
+    #[derive(Clone, Copy)]
+    Thickness(f64) from f64: |value| within("a thickness", &THICKNESSES_M, "m", value);
+    /// Kilograms per cubic metre.
+    #[derive(Clone, Copy)]
+    Density(f64) from f64: |value| within("a density", &DENSITIES, "kg/m³", value);
+    /// Metres times hertz.
+    #[derive(Clone, Copy)]
+    Coincidence(f64) from f64: |value| within("a coincidence", &COINCIDENCES, "m·Hz", value);
 }
 
 #[cfg(test)]
@@ -321,5 +282,62 @@ mod tests {
             refused.contains("there is no built-in material \"brik\"; did you mean brick?"),
             "{refused}"
         );
+    }
+
+    /// Protects the fields for transmission: each has its own meaning, the base supplies the density, and a coincidence
+    /// of the material itself takes the place of that of the base.
+    #[test]
+    fn transmission_is_a_reduction_or_a_density() {
+        let transmission = |said: &str| {
+            let material = material(&format!("Material({said})"));
+            material.map(|material| material.transmission)
+        };
+        let measured = Transmission::reduced_by(35.0, 0.1);
+        assert_eq!(
+            transmission("reduction: 35, thickness: 0.1"),
+            Ok(Some(measured))
+        );
+        let heavy = |density, coincidence| Transmission::Mass {
+            density,
+            coincidence,
+        };
+        for (said, expected) in [
+            ("density: 1800", heavy(1800.0, None)),
+            ("density: 1800, coincidence: 20", heavy(1800.0, Some(20.0))),
+            ("base: \"glass\"", heavy(2500.0, Some(12.7))),
+            (
+                "base: \"glass\", coincidence: 15",
+                heavy(2500.0, Some(15.0)),
+            ),
+            ("base: \"glass\", density: 2400", heavy(2400.0, None)),
+            ("base: \"glass\", reduction: 35, thickness: 0.1", measured),
+        ] {
+            assert_eq!(transmission(said), Ok(Some(expected)), "{said}");
+        }
+        assert_eq!(transmission("absorption: 0.1"), Ok(None));
+        for (said, why) in [
+            ("reduction: 35", "no thickness to which it belongs"),
+            ("thickness: 0.1", "no reduction that belongs to it"),
+            ("coincidence: 20", "has a coincidence, but no density"),
+            ("reduction: 35, thickness: 0.1, density: 1", "not both"),
+            ("reduction: 35, thickness: 0.1, coincidence: 20", "not both"),
+            (
+                "reduction: -1, thickness: 0.1",
+                "must be 0 to 200 dB, not -1",
+            ),
+            ("reduction: [35], thickness: 0.1", "is one number or eight"),
+            (
+                "reduction: 35, thickness: 0",
+                "must be 0.00001 to 100 m, not 0",
+            ),
+            ("density: NaN", "must be 1 to 25000 kg/m³, not NaN"),
+            (
+                "density: 1800, coincidence: 0",
+                "must be 1 to 1000 m·Hz, not 0",
+            ),
+        ] {
+            let refused = transmission(said).unwrap_err();
+            assert!(refused.contains(why), "{said}: {refused}");
+        }
     }
 }

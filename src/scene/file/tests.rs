@@ -273,7 +273,8 @@ fn sound_is_told_how_it_is_written() {
     for (said, sentence) in [
         (
             "materials: {\"a\": Material(0.5)}",
-            "Material is written Material(absorption: …, scattering: …, base: …)",
+            "Material is written Material(absorption: …, scattering: …, reduction: …, thickness: …, \
+             density: …, coincidence: …, base: …)",
         ),
         (
             "air: Air(20)",

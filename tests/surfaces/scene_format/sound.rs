@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use echomarch::scene::shape::{Room, Sphere};
-use echomarch::scene::{Air, Key, Material, Path};
+use echomarch::scene::{Air, Key, Material, Path, Transmission};
 use echomarch::{Listener, Scene, Source, Surface};
 use glam::Vec3;
 
@@ -336,6 +336,11 @@ fn drawn(random: &mut Random) -> Scene {
         true => [share(random); 8],
         false => std::array::from_fn(|_| share(random)),
     };
+    let transmission = |random: &mut Random| match random.unit() {
+        kind if kind < 0.3 => None,
+        kind if kind < 0.6 => Some(Transmission::of_density(1.0 + 9e3 * share(random))),
+        _ => Some(Transmission::reduced_by(shares(random), 0.1)),
+    };
     let mut names: Vec<String> = Material::BUILTIN
         .iter()
         .map(|m| m.name.to_owned())
@@ -346,6 +351,7 @@ fn drawn(random: &mut Random) -> Scene {
         let material = Material {
             absorption: shares(random),
             scattering: shares(random),
+            transmission: transmission(random),
         };
         names.push(name.clone());
         materials.insert(name, material);
