@@ -32,6 +32,7 @@
 //! nanoseconds for each basic shape, about ten evaluations for each field that it passes, and about a hundred
 //! evaluations for a field that it hits. Tracing a wave allocates no memory.
 
+mod chords;
 mod closed_form;
 mod exact;
 mod hierarchy;
@@ -41,6 +42,7 @@ mod shoebox_energies;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub(crate) use chords::Chord;
 pub use exact::{ExactScene, ExactWave, Hit};
 #[doc(hidden)]
 pub use exact::{PathVertex, sequence_hash};

@@ -1,11 +1,13 @@
-//! The sound of a source that is hidden from the listener: paths around what is in the way.
+//! The sound of a source that is hidden from the listener: paths around what is in the way, and the path through it.
 
 use super::diffraction::{self, DiffractedPath};
 use super::source_sound::{HeardPath, Medium, PathKind, comes_from};
+use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath};
 use crate::scene::{Pair, Scene};
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// The paths around what hides the source of a pair from its listener, by length; none if they see each other, or if
@@ -21,7 +23,7 @@ pub(super) fn paths_around(pair: Pair, medium: &Medium) -> Result<Vec<HeardPath>
     let paths = diffraction::around(early.exact(), ends, medium.speed, faces);
     let mut heard: Vec<HeardPath> = paths
         .into_iter()
-        .map(|path| heard(pair, medium, path))
+        .map(|path| Path::from(path).heard(pair, medium))
         .collect();
     heard.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
     Ok(heard)
@@ -36,27 +38,86 @@ fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
     })
 }
 
-fn heard(pair: Pair, medium: &Medium, path: DiffractedPath) -> HeardPath {
-    let emitted = path.energy.map(|energy| energy * medium.level);
-    let (azimuth, elevation) = comes_from(pair.listener, -path.arrival_direction);
-    let length_m = path.length_m;
-    HeardPath {
-        kind: PathKind::Diffracted,
-        path: SpecularPath {
-            walls: vec![None; path.surfaces.len()],
-            surfaces: path.surfaces,
-            points: path.points,
+/// The path straight through what hides the source of a pair from its listener; `None` if nothing passes, or if either
+/// is in a solid.
+pub(super) fn path_through(pair: Pair, medium: &Medium) -> Result<Option<HeardPath>, Error> {
+    let early = EarlyPaths::new(pair)?;
+    let ends = early.ends(pair);
+    if !early.is_open(ends.source) || !early.is_open(ends.listener) {
+        return Ok(None);
+    }
+    let passed = transmission::through(pair.scene, early.exact(), (ends.source, ends.listener));
+    Ok(passed.map(|passed| {
+        let (direction, length_m) = (ends.listener - ends.source).normalize_and_length();
+        let spreading = spreading(length_m);
+        let path = Path {
+            kind: PathKind::Transmitted,
+            points: passed.points,
+            surfaces: passed.surfaces,
             length_m,
+            departure: direction,
+            arrival_direction: direction,
+            energy: passed.share.map(|share| share * spreading),
+        };
+        path.heard(pair, medium)
+    }))
+}
+
+/// Energy density in 1/m² at a distance in metres from a source of power 1.
+fn spreading(length_m: f64) -> f64 {
+    1.0 / (4.0 * PI * length_m * length_m)
+}
+
+/// A path from a hidden source.
+struct Path {
+    kind: PathKind,
+    points: Vec<DVec3>,
+    surfaces: Vec<u32>,
+    length_m: f64,
+    departure: DVec3,
+    arrival_direction: DVec3,
+    /// Energy density at the listener by band, in 1/m² for a source of power 1, without the loss in the air.
+    energy: Bands,
+}
+
+impl From<DiffractedPath> for Path {
+    fn from(path: DiffractedPath) -> Path {
+        Path {
+            kind: PathKind::Diffracted,
+            points: path.points,
+            surfaces: path.surfaces,
+            length_m: path.length_m,
             departure: path.departure,
             arrival_direction: path.arrival_direction,
-            spreading: 1.0 / (4.0 * PI * length_m * length_m),
-            is_focus: false,
-            found_by: 0,
-            is_searched: true,
-        },
-        delay_s: length_m / medium.speed,
-        energy: bands::through_air(&emitted, &medium.air, length_m),
-        azimuth,
-        elevation,
+            energy: path.energy,
+        }
+    }
+}
+
+impl Path {
+    /// The sound along the path, with the source's level and the loss in the air.
+    fn heard(self, pair: Pair, medium: &Medium) -> HeardPath {
+        let emitted = self.energy.map(|energy| energy * medium.level);
+        let (azimuth, elevation) = comes_from(pair.listener, -self.arrival_direction);
+        let length_m = self.length_m;
+        HeardPath {
+            kind: self.kind,
+            path: SpecularPath {
+                walls: vec![None; self.surfaces.len()],
+                surfaces: self.surfaces,
+                points: self.points,
+                length_m,
+                departure: self.departure,
+                arrival_direction: self.arrival_direction,
+                spreading: spreading(length_m),
+                is_focus: false,
+                found_by: 0,
+                is_searched: true,
+            },
+            delay_s: length_m / medium.speed,
+            energy: bands::through_air(&emitted, &medium.air, length_m),
+            azimuth,
+            elevation,
+        }
     }
 }

@@ -52,6 +52,7 @@ mod settings;
 mod source_sound;
 #[cfg(test)]
 mod tests;
+mod transmission;
 
 pub use crate::arrival::{Arrival, Tap};
 #[doc(hidden)]
@@ -167,9 +168,14 @@ impl Response {
         let starts = start_directions(tracer, &settings.trace, &early)?;
         let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
         let all_paths = part.heard(pair, &medium);
-        let around = match settings.diffracts() && direct(&all_paths).is_none() {
+        let is_hidden = direct(&all_paths).is_none();
+        let around = match settings.diffracts() && is_hidden {
             true => hidden::paths_around(pair, &medium)?,
             false => Vec::new(),
+        };
+        let through = match settings.transmits() && is_hidden {
+            true => hidden::path_through(pair, &medium)?,
+            false => None,
         };
         // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
         let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && !around.is_empty();
@@ -178,6 +184,7 @@ impl Response {
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         let mut paths = all_paths.clone();
         paths.extend(around);
+        paths.extend(through);
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));

@@ -42,6 +42,9 @@ pub struct ResponseSettings {
     /// Whether sound bends around the edges of obstacles that hide the source from the listener: false by default,
     /// because round bodies, reflections and late arrivals do not bend yet. The profile `thesis` has no diffraction.
     pub diffraction: bool,
+    /// Whether sound passes straight through solids that hide the source from the listener, if their materials transmit
+    /// sound: true by default. The profile `thesis` has no transmission.
+    pub transmission: bool,
 }
 
 /// The fields of [`ResponseSettings`], all of them optional.
@@ -56,6 +59,7 @@ struct SettingsFile {
     bin_s: f64,
     batches: usize,
     diffraction: bool,
+    transmission: bool,
 }
 
 impl Default for SettingsFile {
@@ -69,6 +73,7 @@ impl Default for SettingsFile {
             bin_s,
             batches,
             diffraction,
+            transmission,
         } = ResponseSettings::default();
         SettingsFile {
             trace,
@@ -79,6 +84,7 @@ impl Default for SettingsFile {
             bin_s,
             batches,
             diffraction,
+            transmission,
         }
     }
 }
@@ -96,6 +102,7 @@ impl TryFrom<SettingsFile> for ResponseSettings {
             bin_s: file.bin_s,
             batches: file.batches,
             diffraction: file.diffraction,
+            transmission: file.transmission,
         };
         settings.validate()?;
         Ok(settings)
@@ -121,6 +128,7 @@ impl Default for ResponseSettings {
             bin_s: 1e-3,
             batches: 16,
             diffraction: false,
+            transmission: true,
         }
     }
 }
@@ -177,6 +185,18 @@ impl ResponseSettings {
     /// Whether responses have diffracted paths.
     pub(super) fn diffracts(&self) -> bool {
         self.diffraction && self.trace.profile() != Profile::Thesis
+    }
+
+    /// Sets whether sound passes straight through solids that hide the source from the listener.
+    #[must_use]
+    pub fn with_transmission(mut self, transmission: bool) -> ResponseSettings {
+        self.transmission = transmission;
+        self
+    }
+
+    /// Whether responses have transmitted paths.
+    pub(super) fn transmits(&self) -> bool {
+        self.transmission && self.trace.profile() != Profile::Thesis
     }
 
     /// Sets the maximum number of reflections of exact paths.

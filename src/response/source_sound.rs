@@ -119,13 +119,15 @@ pub enum PathKind {
     Mirrored,
     /// Around obstacles that hide the source: the path's points lie on their edges.
     Diffracted,
+    /// In a straight line through solids: the path's points are those at which it enters them.
+    Transmitted,
 }
 
 /// An exact path from source to listener, and the sound along it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct HeardPath {
-    /// Whether the path is straight, mirrored or diffracted.
+    /// Whether the path is straight, mirrored, diffracted or transmitted.
     pub kind: PathKind,
     /// The path's geometry.
     pub path: SpecularPath,

@@ -13,3 +13,4 @@ mod pictures;
 mod responses;
 mod rooms_that_scatter;
 mod serialised;
+mod transmission;

@@ -87,7 +87,7 @@ struct PathReport<'a> {
     kind: PathKind,
     /// Number of reflections.
     order: usize,
-    /// The surfaces that reflect or diffract the path, in order.
+    /// The surfaces that reflect, diffract or transmit the path, in order.
     surfaces: &'a [u32],
     /// The reflecting walls of rooms: left, right, floor, ceiling, front, back.
     walls: Vec<Option<&'static str>>,
@@ -163,7 +163,7 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
     PathReport {
         kind: path.kind,
         order: match path.kind {
-            PathKind::Diffracted => 0,
+            PathKind::Diffracted | PathKind::Transmitted => 0,
             _ => path.path.surfaces.len(),
         },
         surfaces: &path.path.surfaces,
@@ -252,6 +252,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
         let over = match path.kind {
             PathKind::Direct => "direct".to_owned(),
             PathKind::Diffracted => format!("diffracted around {}", surfaces()),
+            PathKind::Transmitted => format!("transmitted through {}", surfaces()),
             _ => format!("over {}", surfaces()),
         };
         let strength = mean_strength_db(path);
@@ -269,7 +270,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// The surfaces that reflect or diffract a path, by name or number, and the walls of rooms.
+/// The surfaces that reflect, diffract or transmit a path, by name or number, and the walls of rooms.
 fn surfaces(scene: &Scene, path: &HeardPath) -> Vec<String> {
     let surfaces = path.path.surfaces.iter().zip(wall_names(path));
     let name = |(number, wall): (&u32, Option<&str>)| {
