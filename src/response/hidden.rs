@@ -39,8 +39,12 @@ fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
 }
 
 /// The path straight through what hides the source of a pair from its listener; `None` if nothing passes, or if either
-/// is in a solid.
-pub(super) fn path_through(pair: Pair, medium: &Medium) -> Result<Option<HeardPath>, Error> {
+/// is in a solid. `around` are the paths around the obstacle: it intercepts only the rest of the front.
+pub(super) fn path_through(
+    pair: Pair,
+    medium: &Medium,
+    around: &[HeardPath],
+) -> Result<Option<HeardPath>, Error> {
     let early = EarlyPaths::new(pair)?;
     let ends = early.ends(pair);
     if !early.is_open(ends.source) || !early.is_open(ends.listener) {
@@ -49,7 +53,10 @@ pub(super) fn path_through(pair: Pair, medium: &Medium) -> Result<Option<HeardPa
     let passed = transmission::through(pair.scene, early.exact(), (ends.source, ends.listener));
     Ok(passed.map(|passed| {
         let (direction, length_m) = (ends.listener - ends.source).normalize_and_length();
-        let spreading = spreading(length_m);
+        let detour = |path: &HeardPath| path.path.length_m - length_m;
+        let detours: Vec<f64> = around.iter().map(detour).collect();
+        let intercepted = diffraction::intercepted(&detours, medium.speed);
+        let arriving = intercepted.map(|share| share * spreading(length_m));
         let path = Path {
             kind: PathKind::Transmitted,
             points: passed.points,
@@ -57,7 +64,7 @@ pub(super) fn path_through(pair: Pair, medium: &Medium) -> Result<Option<HeardPa
             length_m,
             departure: direction,
             arrival_direction: direction,
-            energy: passed.share.map(|share| share * spreading),
+            energy: std::array::from_fn(|band| arriving[band] * passed.share[band]),
         };
         path.heard(pair, medium)
     }))

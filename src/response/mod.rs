@@ -174,7 +174,7 @@ impl Response {
             false => Vec::new(),
         };
         let through = match settings.transmits() && is_hidden {
-            true => hidden::path_through(pair, &medium)?,
+            true => hidden::path_through(pair, &medium, &around)?,
             false => None,
         };
         // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.

@@ -33,7 +33,7 @@ use num_complex::Complex64;
 use space::Space;
 use std::f64::consts::{PI, TAU};
 use string::{HalfPlanes, TautString};
-use wedge::Wedge;
+use wedge::{Wedge, shadow_function};
 
 /// A path that bends at edges.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +74,26 @@ const NEARER: f64 = 0.125;
 
 /// Step of the differences for a normal, as a share of the distance from the contact.
 const NORMAL_STEP: f64 = 1e-3;
+
+/// The share of the energy of the straight front that an obstacle intercepts, by band, if the ways around it are
+/// longer than the straight way by `detours_m` metres.
+///
+/// Each way leaves the part of the front open that a half plane leaves open, ½ erfc(√(−ikδ)) of the pressure for a
+/// detour of δ (Fresnel's integral). The obstacle intercepts the rest: a quarter of the energy at an edge, nearly
+/// nothing if it is much narrower than a Fresnel zone, and all deep in its shadow.
+pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
+    let pressure = |k: f64| {
+        let open = |detour: &f64| {
+            let phase = k * detour.max(0.0);
+            0.5 * Complex64::cis(phase) * shadow_function(phase.sqrt())
+        };
+        Complex64::ONE - detours_m.iter().map(open).sum::<Complex64>()
+    };
+    BANDS_HZ.map(|hertz| {
+        let energy = |factor: f64| pressure(TAU * hertz * factor / speed).norm_sqr();
+        IN_BAND.map(energy).iter().sum::<f64>() / IN_BAND.len() as f64
+    })
+}
 
 /// The diffracted paths from a source to a listener in the air that do not see each other; none if they do.
 ///

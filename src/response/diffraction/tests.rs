@@ -1,5 +1,6 @@
 //! Tests of single parts. `tests/diffraction` compares whole responses with exact solutions.
 
+use super::intercepted;
 use super::wedge::{Wedge, shadow_function};
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -84,4 +85,23 @@ fn source_and_receiver_may_change_places() {
         let [there, back] = [wedge, other].map(|wedge| wedge.diffracted(k).sum([1.0; 2]));
         assert!((there - back).norm() < 1e-9, "{there} and {back}");
     }
+}
+
+/// Protects the share that an obstacle intercepts: a quarter at its edge, nothing if it is much narrower than a
+/// wavelength, all without a way around it, and within 1 dB of all in deep shadow, where little sound passes the edge.
+#[test]
+fn an_obstacle_intercepts_the_rest_of_the_front() {
+    let near = |found: [f64; 8], expected: f64, error: f64| {
+        let is_near = |share: f64| (share - expected).abs() < error;
+        assert!(found.into_iter().all(is_near), "{found:?}");
+    };
+    near(intercepted(&[], SPEED), 1.0, 1e-12);
+    near(intercepted(&[0.0], SPEED), 0.25, 1e-12);
+    near(intercepted(&[0.0, 0.0], SPEED), 0.0, 1e-12);
+    near(intercepted(&[20.0], SPEED), 1.0, 0.12);
+    // The share rises from the edge to the first maximum of Fresnel's fringes.
+    let rises: Vec<f64> = [0.0, 0.01, 0.03, 0.1]
+        .map(|detour| intercepted(&[detour], SPEED)[4])
+        .to_vec();
+    assert!(rises.is_sorted_by(|a, b| a < b), "{rises:?}");
 }
