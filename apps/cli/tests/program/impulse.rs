@@ -287,6 +287,27 @@ fn paths_that_bring_nothing_are_not_listed() {
     assert!(!notes.contains("focus"), "{notes}");
 }
 
+/// Protects the output of a path through a wall: its kind, no reflection, and the name of the wall.
+#[test]
+fn paths_through_walls_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("divided.ron");
+    let divided = "Scene(surfaces: [Surface(shape: Room(size: (8, 3, 5))), \
+                   Surface(name: \"pane\", shape: Box(size: (0.01, 9, 9)), material: \"glass\")], \
+                   source: Source(position: (-3, 0, 0)), listener: Listener(position: (3, 0, 0), radius: 0.3))";
+    std::fs::write(&file, divided).unwrap();
+    let file = argument(&file);
+    let call = ["impulse", file, "--waves", "1024", "--seconds", "0.1"];
+    let text = stdout(&succeed(&call));
+    assert!(text.contains("transmitted through pane"), "{text}");
+    let report: Value = json(&call);
+    let path = &report["pairs"][0]["paths"][0];
+    assert_eq!(path["kind"], "transmitted");
+    assert_eq!(path["order"], 0);
+    assert_eq!(path["surfaces"], serde_json::json!([2]));
+    assert_eq!(report["pairs"][0]["direct"], Value::Null);
+}
+
 /// Protects the text output: a table of bands, and the exact paths in order.
 #[test]
 fn the_text_names_figures_and_paths() {
