@@ -94,6 +94,7 @@ mod sampling;
 pub mod scene;
 mod serialised;
 mod shader;
+mod sphere_cells;
 mod text;
 pub mod tracer;
 
