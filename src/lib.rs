@@ -88,6 +88,7 @@ pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod platform;
+mod resample;
 pub mod response;
 mod ron_error;
 mod sampling;

@@ -41,7 +41,6 @@ mod error;
 #[cfg(feature = "audio")]
 pub mod live;
 mod panning;
-pub(crate) mod resample;
 mod signals;
 mod sound;
 mod speech;

@@ -7,7 +7,8 @@ use std::str::FromStr;
 
 use super::signals::{self, Clip, Noise, Signal, Sine};
 use super::speech::{self, Speech};
-use super::{AudioError, check_rate, resample, wav_read};
+use super::{AudioError, check_rate, wav_read};
+use crate::resample;
 
 /// A mono sound that is read forwards, sample by sample; 1 is full scale. [`Sound::new`] creates a sound from a
 /// caller's own [`Signal`].

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use hound::{SampleFormat, WavReader};
 
-use super::resample::length_after;
 use super::{AudioError, check_rate};
 use crate::file_input::{InputError, InputFile};
+use crate::resample::length_after;
 
 /// Maximum size of a WAV file in bytes: [`MOST_SAMPLES`] in stereo, 32 bits each.
 const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;

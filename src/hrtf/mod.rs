@@ -21,7 +21,7 @@
 //! - **Levels** are not changed. If the measured levels are relative to the sound pressure at the head's centre without
 //!   the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of its direction.
 
-use crate::audio::resample;
+use crate::resample;
 use crate::sampling::lattice;
 use glam::DVec3;
 use rayon::prelude::*;
