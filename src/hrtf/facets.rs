@@ -16,7 +16,7 @@
 //! these directions the three nearest measured directions are used, weighted by the inverse of the angle. This
 //! interpolation has small discontinuities.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, I64Vec3};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// Directions with a smaller angle (radians) between them count as one: 0.0006°, far below the
@@ -68,14 +68,37 @@ impl Facets {
 
     /// The measured directions around a direction (a unit vector), with weights that add up to 1.
     pub(crate) fn around(&self, from: DVec3) -> [Weight; 3] {
-        self.within(from).unwrap_or_else(|| self.nearest(from))
+        self.within(self.facets.iter(), from)
+            .unwrap_or_else(|| self.nearest(from))
     }
 
-    /// The weights in the facet that contains the direction. If several facets contain the direction, the facet with
-    /// the largest minimum weight is used.
-    fn within(&self, from: DVec3) -> Option<[Weight; 3]> {
+    /// Like [`around`](Self::around), if only the facets with these indices can contain the direction.
+    pub(crate) fn around_among(&self, facets: &[u32], from: DVec3) -> [Weight; 3] {
+        let facets = facets.iter().map(|index| &self.facets[*index as usize]);
+        self.within(facets, from)
+            .unwrap_or_else(|| self.nearest(from))
+    }
+
+    /// For each facet, a unit vector and the distance from it within which all directions of the facet lie. The
+    /// distance is that of points on the unit sphere.
+    pub(crate) fn caps(&self) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+        self.facets.iter().map(|facet| {
+            let corners = facet.corners.map(|corner| self.directions[corner]);
+            let middle = corners.iter().sum::<DVec3>().normalize();
+            let distances = corners.map(|corner| corner.distance(middle));
+            (middle, distances.into_iter().fold(0.0, f64::max))
+        })
+    }
+
+    /// The weights in the facet that contains the direction, out of `facets`. If several facets contain the direction,
+    /// the facet with the largest minimum weight is used.
+    fn within<'a>(
+        &self,
+        facets: impl Iterator<Item = &'a Facet>,
+        from: DVec3,
+    ) -> Option<[Weight; 3]> {
         let mut best = (-EDGE, None);
-        for facet in &self.facets {
+        for facet in facets {
             let weights = facet.inverse * from;
             let sum = weights.element_sum();
             let inside = weights.min_element() / sum;
@@ -110,11 +133,15 @@ impl Facets {
 
 /// The indices of distinct directions; for equal directions, the first index.
 pub(super) fn distinct(directions: &[DVec3]) -> Vec<usize> {
-    let cell = |direction: DVec3| (direction / LEAST_ANGLE).round().as_i64vec3();
     let mut seen = std::collections::HashSet::with_capacity(directions.len());
     (0..directions.len())
-        .filter(|index| seen.insert(cell(directions[*index])))
+        .filter(|index| seen.insert(place(directions[*index])))
         .collect()
+}
+
+/// A whole-numbered place of a direction (a unit vector). Directions with the same place count as one.
+pub(crate) fn place(direction: DVec3) -> I64Vec3 {
+    (direction / LEAST_ANGLE).round().as_i64vec3()
 }
 
 /// The corners of all facets of the convex hull.

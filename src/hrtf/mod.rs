@@ -27,6 +27,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
+pub(crate) mod balloon;
+mod facet_index;
 mod facets;
 mod onset;
 #[cfg(feature = "sofa")]
@@ -37,6 +39,8 @@ pub(crate) mod tests;
 #[cfg(feature = "sofa")]
 pub use sofa::{SofaError, SofaProblem};
 
+#[cfg(feature = "sofa")]
+pub(crate) use balloon::{Balloon, BalloonError};
 pub(crate) use facets::Facets;
 
 /// Silent samples before and after shifted responses. A shift by a fraction of a sample causes a ripple, which decays

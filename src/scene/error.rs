@@ -149,10 +149,10 @@ pub enum SceneError {
         /// Roll angle about the viewing direction in degrees, positive to the right.
         roll_deg: f32,
     },
-    /// The orientation of a listener is zero or not finite.
-    #[error("a listener's {of} must be finite and not 0, not {value}")]
+    /// The orientation of a source or a listener is zero or not finite.
+    #[error("a {of} must be finite and not 0, not {value}")]
     NoOrientation {
-        /// `quaternion` or `direction`.
+        /// `listener's quaternion`, `listener's direction` or `source's direction`.
         of: &'static str,
         /// The given components.
         value: String,

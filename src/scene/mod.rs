@@ -9,6 +9,7 @@
 
 mod air;
 mod check;
+mod directivity;
 mod driven_numbers;
 mod error;
 mod file;
@@ -22,6 +23,7 @@ mod surface;
 mod transmission;
 
 pub use air::Air;
+pub use directivity::{Balloon, BalloonError, Directivity};
 #[doc(hidden)]
 pub use driven_numbers::NamedValue;
 pub use error::{SceneError, Warning};
@@ -154,6 +156,7 @@ impl Scene {
         for source in &mut posed.sources {
             if let Some(key) = source.path.at(seconds) {
                 source.position = key.position;
+                (source.yaw, source.pitch) = (key.yaw, key.pitch);
             }
         }
         for listener in &mut posed.listeners {
@@ -201,24 +204,37 @@ impl Scene {
         all
     }
 
-    /// The files that the scene file names: users' fields and height images.
+    /// The files that the scene file names: users' fields, height images and directivities.
     pub fn files(&self) -> Vec<PathBuf> {
         let file = |asset: Asset| match asset {
             Asset::User(field) => field.file.clone(),
             Asset::Image(image) => PathBuf::from(image.name()),
         };
-        self.assets().map(file).collect()
+        let balloons = self.balloons().map(|balloon| balloon.name().into());
+        self.assets().map(file).chain(balloons).collect()
     }
 
     /// The contents of the files of [`Scene::files`], in the same order. A user's field is its text. An image is its
-    /// width, its height and its heights as little-endian `f32`.
+    /// width, its height and its heights as little-endian `f32`. A directivity is its directions and amplitudes as
+    /// little-endian `f64`.
     #[doc(hidden)]
     pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
             Asset::User(field) => field.text.clone().into_bytes(),
             Asset::Image(image) => image.to_bytes(),
         };
-        self.assets().map(content).collect()
+        let balloons = self.balloons().map(Balloon::to_bytes);
+        self.assets().map(content).chain(balloons).collect()
+    }
+
+    /// The measured directivities of the sources, in order.
+    fn balloons(&self) -> impl Iterator<Item = &Balloon> {
+        self.sources
+            .iter()
+            .filter_map(|source| match &source.directivity {
+                Directivity::Balloon(balloon) => Some(&**balloon),
+                _ => None,
+            })
     }
 
     fn assets(&self) -> impl Iterator<Item = Asset<'_>> {

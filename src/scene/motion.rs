@@ -126,14 +126,14 @@ pub struct Key {
     pub time: f64,
     /// World position in metres.
     pub position: Vec3,
-    /// Yaw in radians, positive to the right; used only for listeners.
+    /// Yaw in radians, positive to the right.
     pub yaw: f32,
-    /// Pitch in radians, positive upwards; used only for listeners.
+    /// Pitch in radians, positive upwards.
     pub pitch: f32,
 }
 
 impl Key {
-    /// A position at a given time in seconds, with a viewing direction along −z.
+    /// A position at a given time in seconds, with a direction along −z.
     pub fn at(time: f64, position: impl Into<[f32; 3]>) -> Key {
         Key {
             time,

@@ -1,7 +1,7 @@
 //! Sources and listeners of a scene, and the lookup of its materials and air.
 
-use super::{Air, Material, Path, Scene, SceneError};
-use crate::bands::{BAND_COUNT, Bands};
+use super::{Air, Directivity, Material, Path, Scene, SceneError};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::text::nearest_or_all;
 use glam::{DQuat, DVec3, DVec4, Vec3};
 
@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3, DVec4, Vec3};
 /// thousands of `f32` rotations. It raises an ear of a listener by a thousandth of half the head's width.
 const MOST_TILT: f64 = 1e-3;
 
-/// A point that emits waves in all directions.
+/// A point that emits waves, with an orientation and a directivity.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Source {
@@ -19,7 +19,13 @@ pub struct Source {
     pub level_db: f32,
     /// World position in metres.
     pub position: Vec3,
-    /// Key-framed positions; empty for a static source.
+    /// Rotation about the vertical axis in radians, positive to the right; 0 is the direction −z.
+    pub yaw: f32,
+    /// Elevation of the source's axis in radians, positive upwards.
+    pub pitch: f32,
+    /// Power in each direction. It affects responses, and not the balance of a frame.
+    pub directivity: Directivity,
+    /// Key-framed positions and angles; empty for a static source.
     pub path: Path,
 }
 
@@ -42,12 +48,15 @@ pub struct Listener {
 }
 
 impl Source {
-    /// Creates a static source at `position` (metres).
+    /// Creates a static, omnidirectional source at `position` (metres), whose axis is −z.
     pub fn at(position: impl Into<[f32; 3]>) -> Source {
         Source {
             name: None,
             level_db: 0.0,
             position: position.into().into(),
+            yaw: 0.0,
+            pitch: 0.0,
+            directivity: Directivity::Omnidirectional,
             path: Path::default(),
         }
     }
@@ -64,6 +73,62 @@ impl Source {
     pub fn with_level_db(mut self, level_db: f32) -> Source {
         self.level_db = level_db;
         self
+    }
+
+    /// Returns the source with a directivity. The total power remains the same.
+    ///
+    /// ```
+    /// use echomarch::Source;
+    /// use echomarch::scene::Directivity;
+    ///
+    /// let talker = Source::at([0.0, 1.5, 0.0])
+    ///     .with_directivity(Directivity::CARDIOID)
+    ///     .pointing_along([1.0, 0.0, 0.0])?;
+    /// assert!((talker.factor([1.0, 0.0, 0.0].into())[4] - 3.0).abs() < 1e-6);
+    /// # Ok::<(), echomarch::scene::SceneError>(())
+    /// ```
+    #[must_use]
+    pub fn with_directivity(mut self, directivity: Directivity) -> Source {
+        self.directivity = directivity;
+        self
+    }
+
+    /// Returns the source with its axis along a direction in world axes, of any length except 0. A direction straight
+    /// up or down leaves the yaw unchanged.
+    ///
+    /// # Errors
+    /// [`SceneError::NoOrientation`] for a direction that is 0 or not finite.
+    pub fn pointing_along(mut self, axis: impl Into<[f32; 3]>) -> Result<Source, SceneError> {
+        let (yaw, pitch) = angles_along(axis.into().into(), "source's direction")?;
+        self.yaw = yaw.unwrap_or(self.yaw);
+        self.pitch = pitch;
+        Ok(self)
+    }
+
+    /// The energy that the source radiates in a direction of the world, by band, relative to an omnidirectional source
+    /// with the same power. The direction has any length; for a zero vector the factor is 1.
+    pub fn factor(&self, direction: DVec3) -> Bands {
+        if self.directivity.is_omnidirectional() {
+            return bands::ALL;
+        }
+        let axes = [self.forward(), -self.right(), self.up()];
+        let [ahead, left, up] = axes.map(|axis| axis.as_dvec3().dot(direction));
+        self.directivity.factor(DVec3::new(ahead, left, up))
+    }
+
+    /// Unit vector of the source's axis.
+    pub fn forward(&self) -> Vec3 {
+        forward(self.yaw, self.pitch)
+    }
+
+    /// Horizontal unit vector to the right of the source's axis.
+    pub fn right(&self) -> Vec3 {
+        right(self.yaw)
+    }
+
+    /// Unit vector that points upwards from the source, perpendicular to its axis.
+    pub fn up(&self) -> Vec3 {
+        self.right().cross(self.forward())
     }
 }
 
@@ -112,7 +177,7 @@ impl Listener {
         let length = DVec4::new(x, y, z, w).length();
         if !(length.is_finite() && length > 0.0) {
             return Err(SceneError::NoOrientation {
-                of: "quaternion",
+                of: "listener's quaternion",
                 value: format!("({x}, {y}, {z}, {w})"),
             });
         }
@@ -138,38 +203,55 @@ impl Listener {
     /// # Errors
     /// [`SceneError::NoOrientation`] for a direction that is 0 or not finite.
     pub fn looking_along(mut self, forward: impl Into<[f32; 3]>) -> Result<Listener, SceneError> {
-        let forward = Vec3::from(forward.into());
-        let unit = forward.as_dvec3().try_normalize();
-        let Some(unit) = unit.filter(|_| forward.is_finite()) else {
-            return Err(SceneError::NoOrientation {
-                of: "direction",
-                value: forward.to_string(),
-            });
-        };
-        if unit.x != 0.0 || unit.z != 0.0 {
-            self.yaw = unit.x.atan2(-unit.z) as f32;
-        }
-        self.pitch = unit.y.atan2(unit.x.hypot(unit.z)) as f32;
+        let (yaw, pitch) = angles_along(forward.into().into(), "listener's direction")?;
+        self.yaw = yaw.unwrap_or(self.yaw);
+        self.pitch = pitch;
         Ok(self)
     }
 
     /// Unit vector of the viewing direction.
     pub fn forward(&self) -> Vec3 {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
-        Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
+        forward(self.yaw, self.pitch)
     }
 
     /// Unit vector that points out of the right ear.
     pub fn right(&self) -> Vec3 {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        Vec3::new(cos_yaw, 0.0, sin_yaw)
+        right(self.yaw)
     }
 
     /// Unit vector that points out of the top of the head.
     pub fn up(&self) -> Vec3 {
         self.right().cross(self.forward())
     }
+}
+
+/// Unit vector of a direction with this yaw and pitch, in radians.
+fn forward(yaw: f32, pitch: f32) -> Vec3 {
+    let (sin_yaw, cos_yaw) = yaw.sin_cos();
+    let (sin_pitch, cos_pitch) = pitch.sin_cos();
+    Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
+}
+
+/// Horizontal unit vector to the right of a direction with this yaw, in radians.
+fn right(yaw: f32) -> Vec3 {
+    let (sin_yaw, cos_yaw) = yaw.sin_cos();
+    Vec3::new(cos_yaw, 0.0, sin_yaw)
+}
+
+/// Yaw and pitch in radians of a direction of any length except 0. The yaw is `None` for a direction straight up or
+/// down. `of` names the direction in the error.
+fn angles_along(direction: Vec3, of: &'static str) -> Result<(Option<f32>, f32), SceneError> {
+    let unit = direction.as_dvec3().try_normalize();
+    let Some(unit) = unit.filter(|_| direction.is_finite()) else {
+        return Err(SceneError::NoOrientation {
+            of,
+            value: direction.to_string(),
+        });
+    };
+    let is_vertical = unit.x == 0.0 && unit.z == 0.0;
+    let yaw = (!is_vertical).then(|| unit.x.atan2(-unit.z) as f32);
+    let pitch = unit.y.atan2(unit.x.hypot(unit.z)) as f32;
+    Ok((yaw, pitch))
 }
 
 impl Scene {
@@ -234,9 +316,12 @@ impl Scene {
         materials.any(|material| material.scatters(0..BAND_COUNT))
     }
 
-    /// Whether a material or the air changes the timbre. Otherwise all octave bands are equal.
+    /// Whether a material, the air or a directivity changes the timbre. Otherwise all octave bands are equal.
     pub fn has_bands(&self) -> bool {
-        self.air.is_some() || self.used_materials().any(|material| !material.is_grey())
+        let mut sources = self.sources.iter();
+        self.air.is_some()
+            || self.used_materials().any(|material| !material.is_grey())
+            || sources.any(|source| !source.directivity.is_grey())
     }
 
     /// The materials of all surfaces and walls, with repetitions.
@@ -278,6 +363,7 @@ fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::lattice;
     use crate::scene::shape::{Room, Sphere};
     use crate::scene::{Air, Key, Surface};
     use glam::{EulerRot, Quat};
@@ -336,6 +422,24 @@ mod tests {
             let refused = Listener::at([0.0; 3], 0.2).with_orientation(bad);
             assert!(matches!(refused, Err(SceneError::NoOrientation { .. })));
         }
+    }
+
+    /// Protects orientations: turning the source equals turning the direction, and without a turn the source points
+    /// along −z.
+    #[test]
+    fn a_source_points_where_it_is_turned() {
+        let mut source = Source::at([1.0, 2.0, 3.0]);
+        source.directivity = Directivity::CARDIOID;
+        assert!((source.factor(DVec3::NEG_Z)[0] - 3.0).abs() < 1e-12);
+        (source.yaw, source.pitch) = (0.7, -0.4);
+        let turn = DQuat::from_rotation_y(-0.7) * DQuat::from_rotation_x(-0.4);
+        for direction in lattice(200) {
+            let mut plain = source.clone();
+            (plain.yaw, plain.pitch) = (0.0, 0.0);
+            let (turned, plain) = (source.factor(turn * direction), plain.factor(direction));
+            assert!((turned[5] - plain[5]).abs() < 1e-5, "{direction}");
+        }
+        assert_eq!(source.factor(DVec3::ZERO), bands::ALL);
     }
 
     /// Protects viewing directions given by a vector: any length is accepted, and a direction straight up keeps the

@@ -80,6 +80,51 @@ impl SofaFile {
         }
     }
 
+    /// A file of the convention FreeFieldDirectivityTF with one measurement: receivers 2 m around the source, at
+    /// `frequencies` in hertz. `measured` contains azimuth and elevation in degrees for each receiver, and its
+    /// amplitude at each frequency. All phases are 0.
+    pub fn directivity(frequencies: &[f64], measured: &[([f64; 2], Vec<f64>)]) -> SofaFile {
+        let rows = measured.len() as u64;
+        let position = |(angles, _): &([f64; 2], Vec<f64>)| [angles[0], angles[1], 2.0];
+        let positions: Vec<f64> = measured.iter().flat_map(position).collect();
+        let amplitudes: Vec<f64> = measured.iter().flat_map(|(_, all)| all.clone()).collect();
+        let shape = [1, rows, frequencies.len() as u64];
+        let vector = |numbers: [f64; 3]| {
+            let variable = Variable::new(&numbers, &[1, 3]).with("Type", "cartesian");
+            variable.with("Units", "metre")
+        };
+        let receivers = Variable::new(&positions, &[rows, 3, 1])
+            .with("Type", "spherical")
+            .with("Units", "degree, degree, metre");
+        SofaFile {
+            globals: BTreeMap::from([
+                ("Conventions", "SOFA"),
+                ("Version", "2.1"),
+                ("SOFAConventions", "FreeFieldDirectivityTF"),
+                ("SOFAConventionsVersion", "1.1"),
+                ("DataType", "TF"),
+            ]),
+            variables: BTreeMap::from([
+                ("Data.Real", Variable::new(&amplitudes, &shape)),
+                (
+                    "Data.Imag",
+                    Variable::new(&vec![0.0; amplitudes.len()], &shape),
+                ),
+                (
+                    "N",
+                    Variable::new(frequencies, &[frequencies.len() as u64]).with("Units", "hertz"),
+                ),
+                ("ReceiverPosition", receivers),
+                ("SourcePosition", vector([0.0; 3])),
+                ("SourceView", vector([1.0, 0.0, 0.0])),
+                ("SourceUp", vector([0.0, 0.0, 1.0])),
+                ("ListenerPosition", vector([0.0; 3])),
+                ("ListenerView", vector([1.0, 0.0, 0.0])),
+                ("ListenerUp", vector([0.0, 0.0, 1.0])),
+            ]),
+        }
+    }
+
     /// A head with a response for each of 26 directions. Each response is an impulse in each ear, louder and earlier at
     /// the ear on the side of the source.
     pub fn simple() -> SofaFile {

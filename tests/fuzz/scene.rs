@@ -81,6 +81,9 @@ const TOKENS: &[&str] = &[
     "sources",
     "listeners",
     "level_db",
+    "directivity",
+    "FirstOrder",
+    "Balloon",
     "true",
     "X",
 ];
@@ -122,7 +125,8 @@ const SOUND: &str = "Scene(surfaces: [Surface(shape: Room(size: (9, 4, 7)), mate
                      (floor: \"mat\", back: \"curtain\")), Surface(shape: Sphere(radius: 1), material: \
                      \"mat\")], materials: {\"mat\": Material(absorption: [0.1, 0.2, 0.3, 0.4, 0.5, \
                      0.6, 0.7, 0.8], scattering: 0.1)}, air: Air(temperature: 10, humidity: 70, pressure: \
-                     99), sources: [Source(name: \"a\", position: (3, 0, 0), level_db: -6), Source(path: \
+                     99), sources: [Source(name: \"a\", position: (3, 0, 0), level_db: -6, yaw: 30, \
+                     directivity: FirstOrder(0.5)), Source(directivity: Cardioid, path: \
                      [Key(time: 0, position: (0, 1, 3)), Key(time: 3, position: (0, 1, 2))])], listeners: \
                      [Listener(name: \"b\", position: (0, 0, 3), radius: 0.1), Listener(radius: 0.2, \
                      position: (0, 1, 3))])";

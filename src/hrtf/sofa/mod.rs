@@ -1,4 +1,5 @@
-//! SOFA files (AES69): sets of head-related impulse responses in netCDF-4, which is HDF5.
+//! SOFA files (AES69): sets of head-related impulse responses, and directivities of sources (`balloon.rs`), in
+//! netCDF-4, which is HDF5.
 //!
 //! Supports the convention SimpleFreeFieldHRIR: `Data.IR` \[M\]\[2\]\[N\] at `Data.SamplingRate`, delayed by
 //! `Data.Delay` samples, from the M directions of `SourcePosition`, relative to `ListenerPosition`, `ListenerView` and
@@ -17,10 +18,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use variables::Variables;
 
+mod balloon;
 #[cfg(test)]
 mod tests;
 mod variables;
 
+pub(crate) use balloon::read_balloon;
 pub use variables::{SofaError, SofaProblem};
 
 /// Maximum size of a SOFA file in bytes: twice the size of [`HrirSet::MAX_VALUES`](super::HrirSet::MAX_VALUES) 64-bit
@@ -39,32 +42,47 @@ impl HrirSet {
     /// # Errors
     /// [`SofaError`]: the file and the problem with it.
     pub fn read_sofa(path: &Path) -> Result<HrirSet, SofaError> {
-        let bytes = file_input::read(path, LARGEST_FILE);
-        bytes
-            .map_err(|source: InputError| SofaProblem::Unreadable { source })
-            .and_then(from_bytes)
-            .map_err(|problem| SofaError {
-                path: path.into(),
-                problem,
-            })
+        read(path, from_bytes)
     }
 }
 
-fn from_bytes(bytes: Vec<u8>) -> Result<HrirSet, SofaProblem> {
-    let caught = catch_unwind(AssertUnwindSafe(|| measurements(bytes)));
-    let (rate_hz, measured) = caught.unwrap_or_else(|_| {
+/// Reads a file up to its size limit, and what `parse` finds in its bytes.
+fn read<T>(
+    path: &Path,
+    parse: impl FnOnce(Vec<u8>) -> Result<T, SofaProblem>,
+) -> Result<T, SofaError> {
+    let bytes = file_input::read(path, LARGEST_FILE);
+    bytes
+        .map_err(|source: InputError| SofaProblem::Unreadable { source })
+        .and_then(parse)
+        .map_err(|problem| SofaError {
+            path: path.into(),
+            problem,
+        })
+}
+
+/// Calls the reader, and reports a panic as damage.
+fn caught<T>(reader: impl FnOnce() -> Result<T, SofaProblem>) -> Result<T, SofaProblem> {
+    catch_unwind(AssertUnwindSafe(reader)).unwrap_or_else(|_| {
         Err(SofaProblem::Damaged {
             what: "its structure".into(),
             reason: "the reader failed".into(),
         })
+    })
+}
+
+fn from_bytes(bytes: Vec<u8>) -> Result<HrirSet, SofaProblem> {
+    let (rate_hz, measured) = caught(|| {
+        let file = Variables::open(bytes)?;
+        file.expect_global("Conventions", "SOFA")?;
+        file.expect_global("SOFAConventions", CONVENTION)?;
+        measurements(&file)
     })?;
     HrirSet::new(rate_hz, measured).map_err(|source| SofaProblem::Set { source })
 }
 
-fn measurements(bytes: Vec<u8>) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem> {
-    let file = Variables::open(bytes)?;
-    file.expect_global("Conventions", "SOFA")?;
-    file.expect_global("SOFAConventions", CONVENTION)?;
+/// The measurements of a file of the convention SimpleFreeFieldHRIR.
+fn measurements(file: &Variables) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem> {
     file.expect_global("DataType", "FIR")?;
     let shape = file.shape("Data.IR")?;
     let [count, ears, samples] = shape[..] else {
@@ -76,10 +94,10 @@ fn measurements(bytes: Vec<u8>) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem>
     let size = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
     let (count, samples) = (size(count), size(samples));
     super::check_sizes(count, samples).map_err(|source| SofaProblem::Set { source })?;
-    let rate_hz = rate(&file)?;
-    let delays = delays(&file, count, rate_hz)?;
-    let (directions, metres) = directions(&file, count)?;
-    let [left, right] = receivers(&file)?;
+    let rate_hz = rate(file)?;
+    let delays = delays(file, count, rate_hz)?;
+    let (directions, metres) = directions(file, count)?;
+    let [left, right] = receivers(file)?;
     let responses = file.samples("Data.IR", 2 * count * samples)?;
     let ear = |index: usize, ear: usize| {
         let begins = (2 * index + ear) * samples;
@@ -167,7 +185,7 @@ fn directions(file: &Variables, count: usize) -> Result<(Vec<DVec3>, Vec<f64>), 
     let mut directions = Vec::with_capacity(count);
     let mut metres = Vec::with_capacity(count);
     for index in 0..count {
-        let axes = axes(view[index], up[index])?;
+        let axes = axes("ListenerView", view[index], up[index])?;
         let from = axes.transpose() * (sources[index] - listener[index]);
         if !from.is_finite() || from.try_normalize().is_none() {
             let reason = format!("measurement {index} has no valid direction");
@@ -210,12 +228,12 @@ fn receivers(file: &Variables) -> Result<[usize; 2], SofaProblem> {
     Ok(if is_swapped { [1, 0] } else { FIRST_IS_LEFT })
 }
 
-/// The listener's axes as columns.
-fn axes(view: DVec3, up: DVec3) -> Result<DMat3, SofaProblem> {
+/// The axes of a listener or a source as columns; `name` is the variable of the view.
+fn axes(name: &'static str, view: DVec3, up: DVec3) -> Result<DMat3, SofaProblem> {
     let bad = || {
         bad_value(
-            "ListenerView",
-            format!("with ListenerUp it does not define axes: {view:?} and {up:?}"),
+            name,
+            format!("with the vector up it does not define axes: {view:?} and {up:?}"),
         )
     };
     let x = view.try_normalize().ok_or_else(bad)?;

@@ -3,13 +3,13 @@
 
 use super::{bad_shape, bad_value};
 use crate::file_input::InputError;
-use crate::hrtf::{HrirError, HrirSet};
+use crate::hrtf::{BalloonError, HrirError, HrirSet};
 use hdf5_pure::{Dataset, Error, File, FormatError};
 use std::path::PathBuf;
 
-/// The reason why head-related impulse responses cannot be read from a SOFA file.
+/// The reason why a SOFA file cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot use head-related impulse responses from {}: {problem}", path.display())]
+#[error("cannot use the SOFA file {}: {problem}", path.display())]
 #[non_exhaustive]
 pub struct SofaError {
     /// The requested file.
@@ -53,7 +53,7 @@ pub enum SofaProblem {
         /// The unsupported form.
         reason: String,
     },
-    /// An attribute of the file does not have the value of the convention SimpleFreeFieldHRIR with FIR filters.
+    /// An attribute of the file does not have a value of a supported convention.
     #[error("its {attribute} is {found}, but only {expected:?} is supported")]
     WrongConvention {
         /// The attribute's name.
@@ -93,6 +93,12 @@ pub enum SofaProblem {
         /// The error of the measurements.
         source: HrirError,
     },
+    /// The file can be read, but its measurements are not a directivity.
+    #[error("{source}")]
+    Balloon {
+        /// The error of the measurements.
+        source: BalloonError,
+    },
 }
 
 /// Maximum number of characters shown from a file's text or from the reader's message.
@@ -125,20 +131,19 @@ impl Variables {
         attribute: &'static str,
         expected: &'static str,
     ) -> Result<(), SofaProblem> {
+        let found = self.global(attribute)?;
+        match found.as_deref() == Some(expected) {
+            true => Ok(()),
+            false => Err(wrong_convention(attribute, found, expected)),
+        }
+    }
+
+    /// The text of an attribute of the file; `None` if it is missing.
+    pub(super) fn global(&self, attribute: &str) -> Result<Option<String>, SofaProblem> {
         let attributes = self.0.root().attrs();
         let attributes = attributes.map_err(|error| damaged("its attributes", &error))?;
         let found = attributes.get(attribute).and_then(|value| value.as_str());
-        if found.map(trimmed) == Some(expected) {
-            return Ok(());
-        }
-        Err(SofaProblem::WrongConvention {
-            attribute,
-            found: match found {
-                Some(found) => format!("{:?}", short(found)),
-                None => "missing".into(),
-            },
-            expected,
-        })
+        Ok(found.map(|found| trimmed(found).to_owned()))
     }
 
     /// The text of a variable's attribute; `None` if it is missing.
@@ -275,6 +280,22 @@ impl Variables {
                 _ => damaged(variable, &error),
             }
         })
+    }
+}
+
+/// The error for an attribute with this text, or without text.
+pub(super) fn wrong_convention(
+    attribute: &'static str,
+    found: Option<String>,
+    expected: &'static str,
+) -> SofaProblem {
+    SofaProblem::WrongConvention {
+        attribute,
+        found: match found {
+            Some(found) => format!("{:?}", short(&found)),
+            None => "missing".into(),
+        },
+        expected,
     }
 }
 

@@ -4,11 +4,12 @@
 mod tests;
 
 use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
+use super::directivity::OMNI_SHARES;
 use super::shape::LARGEST;
 use super::shape::Room;
 use super::{
-    Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source, Surface,
-    Transmission, Warning,
+    Directivity, Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source,
+    Surface, Transmission, Warning,
 };
 use glam::Vec3;
 use std::collections::HashSet;
@@ -244,12 +245,32 @@ impl Scene {
 
     fn validate_source(&self, label: &str, source: &Source) -> Result<(), SceneError> {
         self.finite(&format!("{label}'s position"), source.position)?;
+        let axis = Vec3::new(source.yaw, source.pitch, 0.0);
+        self.finite(&format!("{label}'s yaw and pitch"), axis)?;
         self.validate_path(&source.path)?;
+        self.validate_directivity(label, &source.directivity)?;
         if LEVELS.contains(&source.level_db) {
             return Ok(());
         }
         let what = format!("{label}'s level in decibels");
         Err(self.bad_number(&what, "-120 to 120", source.level_db))
+    }
+
+    fn validate_directivity(
+        &self,
+        label: &str,
+        directivity: &Directivity,
+    ) -> Result<(), SceneError> {
+        let Directivity::FirstOrder(shares) = directivity else {
+            return Ok(());
+        };
+        match shares.iter().find(|share| !OMNI_SHARES.contains(*share)) {
+            None => Ok(()),
+            Some(share) => {
+                let what = format!("the omnidirectional share of {label}'s directivity");
+                Err(self.bad_number(&what, "0 to 1", share))
+            }
+        }
     }
 
     fn validate_listener(&self, label: &str, listener: &Listener) -> Result<(), SceneError> {

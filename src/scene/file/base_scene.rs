@@ -120,7 +120,7 @@ impl BasedFile<'_> {
     /// Builds the base and applies the changes of this file.
     pub fn scene(self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
         let mut scene = self.base(text, files, chain)?;
-        let changed = self.change(&mut scene);
+        let changed = self.change(&mut scene, files);
         changed.map_err(|refused| refused.in_text(text, files))?;
         self.set_values(&mut scene, text, files)?;
         let Some(first) = self.values.first() else {
@@ -135,7 +135,7 @@ impl BasedFile<'_> {
     }
 
     /// Applies all changes except the named values.
-    fn change(&self, scene: &mut Scene) -> Result<(), Refused> {
+    fn change(&self, scene: &mut Scene, files: &Attached) -> Result<(), Refused> {
         if !self.name.0.is_empty() {
             scene.name.clone_from(&self.name.0);
         }
@@ -145,12 +145,13 @@ impl BasedFile<'_> {
         }
         one_form::<SourceFile>(self.source.is_some(), self.sources.is_some())?;
         if let (Some(source), Some(first)) = (&self.source, scene.sources.first_mut()) {
-            source.change(first);
+            source.change(first, files)?;
             let names = scene.sources.iter().map(|source| &source.name);
             once_each::<SourceFile>(names)?;
         }
         if let Some(sources) = &self.sources {
-            scene.sources = sources.read(SourceFile::read);
+            let sources = sources.iter().map(|source| source.read(files));
+            scene.sources = sources.collect::<Result<_, SceneError>>()?;
         }
         one_form::<ListenerFile<FixedRadius>>(self.listener.is_some(), self.listeners.is_some())?;
         if let (Some(listener), Some(first)) = (&self.listener, scene.listeners.first_mut()) {
@@ -159,7 +160,7 @@ impl BasedFile<'_> {
             once_each::<ListenerFile<FixedRadius>>(names)?;
         }
         if let Some(listeners) = &self.listeners {
-            scene.listeners = listeners.read(ListenerFile::read);
+            scene.listeners = listeners.iter().map(ListenerFile::read).collect();
         }
         Ok(())
     }
@@ -289,6 +290,12 @@ struct KeptSource<'a> {
     name: Option<&'a RawValue>,
     #[serde(borrow)]
     level_db: Option<&'a RawValue>,
+    #[serde(borrow)]
+    yaw: Option<&'a RawValue>,
+    #[serde(borrow)]
+    pitch: Option<&'a RawValue>,
+    #[serde(borrow)]
+    directivity: Option<&'a RawValue>,
 }
 
 /// The fields of a listener that do not change when the listener moves.
@@ -355,7 +362,13 @@ impl BasedScene {
             return;
         };
         let kept: KeptSource = self.said("source");
-        let kept = again([("name", kept.name), ("level_db", kept.level_db)]);
+        let kept = again([
+            ("name", kept.name),
+            ("level_db", kept.level_db),
+            ("yaw", kept.yaw),
+            ("pitch", kept.pitch),
+            ("directivity", kept.directivity),
+        ]);
         let position = point(first.position);
         let text = format!("Source({kept}position: {position})");
         self.fields.insert("source", text);

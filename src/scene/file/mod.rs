@@ -196,13 +196,14 @@ impl SceneFile {
         let listeners = Several::needed(self.listener, self.listeners)?;
         let surfaces = self.surfaces.into_iter();
         let surfaces: Result<_, SceneError> = surfaces.map(|s| s.read(files)).collect();
+        let sources: Result<_, SceneError> = sources.iter().map(|s| s.read(files)).collect();
         let scene = Scene {
             name: self.name.0,
             surfaces: surfaces?,
             materials: self.materials.0,
             air: self.air.map(|air| air.change(None)),
-            sources: sources.read(SourceFile::read),
-            listeners: listeners.read(ListenerFile::read),
+            sources: sources?,
+            listeners: listeners.iter().map(ListenerFile::read).collect(),
         };
         check_materials(&scene)?;
         Ok(scene)

@@ -26,6 +26,15 @@ pub(super) struct Scattering;
 /// Sound reduction index.
 pub(super) struct Reduction;
 
+/// Omnidirectional share of the pressure of a source.
+pub(super) struct OmniShare;
+
+impl BandQuantity for OmniShare {
+    const WHAT: &'static str = "an omnidirectional share";
+    const MOST: f64 = 1.0;
+    const UNIT: &'static str = "";
+}
+
 impl BandQuantity for Absorption {
     const WHAT: &'static str = "an absorption";
     const MOST: f64 = 1.0;

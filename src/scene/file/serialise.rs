@@ -4,20 +4,21 @@
 //! Reading and writing thus share one notation.
 
 use super::SceneFile;
+use super::sources_and_listeners::DIRECTIVITIES;
 use crate::bands::{BAND_COUNT, Bands};
-use crate::scene::notation::{Attached, Fields, Form, Written};
+use crate::scene::notation::{Attached, Fields, Form, ShapeName, Written};
 use crate::scene::shape::Room;
 use crate::scene::shape::{form_of, numbered};
 use crate::scene::{
-    Air, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source, Surface,
-    Transmission,
+    Air, Directivity, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source,
+    Surface, Transmission,
 };
 use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::collections::BTreeMap;
 
-/// A scene is serialised with the structure of a scene file, and includes the content of its base. Height images and
-/// users' GLSL are written as file names; the files are read again when the scene is read.
+/// A scene is serialised with the structure of a scene file, and includes the content of its base. Height images,
+/// users' GLSL and measured directivities are written as file names; the files are read again when the scene is read.
 ///
 /// ```
 /// # use echomarch::Scene;
@@ -141,8 +142,30 @@ fn source(of: &Source) -> Written {
         fields.push(("level_db", Written::Number(of.level_db)));
     }
     fields.push(("position", point(of.position)));
+    // A source without a direction mostly has no angles.
+    let angles = [("yaw", of.yaw), ("pitch", of.pitch)];
+    let angles = angles.into_iter().filter(|(_, angle)| *angle != 0.0);
+    fields.extend(angles.map(|(name, angle)| (name, degrees(angle))));
+    fields.extend(directivity(&of.directivity).map(|written| ("directivity", written)));
     fields.extend(path(&of.path));
     Written::Struct("Source", fields)
+}
+
+/// The notation of a directivity; `None` for an omnidirectional source.
+fn directivity(of: &Directivity) -> Option<Written> {
+    let index = DIRECTIVITIES.iter().position(|kind| *kind == of.kind())?;
+    let name = ShapeName {
+        name: of.kind(),
+        index: index as u32,
+    };
+    match of {
+        Directivity::Omnidirectional => None,
+        Directivity::FirstOrder(shares) => Some(Written::Holding(name, Box::new(by_band(*shares)))),
+        Directivity::Balloon(balloon) => {
+            let file = Written::Text(balloon.name().to_owned());
+            Some(Written::With(name, vec![("file", file)]))
+        }
+    }
 }
 
 fn listener(of: &Listener) -> Written {
@@ -401,7 +424,11 @@ mod tests {
                 "wall": Material(reduction: [30, 33, 36, 39, 42, 45, 48, 51], thickness: 0.1),
             },
             air: Air(temperature: 7.3),
-            source: Source(path: [Key(time: 0, position: (0, 0, 5)), Key(time: 1, position: (1, 0, 5), yaw: 90)]),
+            sources: [
+                Source(path: [Key(time: 0, position: (0, 0, 5)), Key(time: 1, position: (1, 0, 5), yaw: 90)],
+                    directivity: FirstOrder([1, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3])),
+                Source(yaw: 15, pitch: -30, directivity: Cardioid),
+            ],
             listener: Listener(position: (0, 0, -5), yaw: 33, pitch: -7, radius: 0.3),
         )"#;
         let scene = Scene::from_ron(TEXT, "moving").unwrap();

@@ -1,9 +1,10 @@
 //! Sources and listeners of a scene file.
 
+use super::per_band::{OfBands, OmniShare};
 use super::text::{Place, Refused};
 use crate::scene::check::{LEVELS, MOST_PLACED};
-use crate::scene::notation::{Degrees, Finite, FixedRadius, Name, Point, checked};
-use crate::scene::{Key, Listener, Path, Source};
+use crate::scene::notation::{Attached, Degrees, Finite, FixedRadius, Name, Point, checked};
+use crate::scene::{Directivity, Key, Listener, Path, SceneError, Source};
 use glam::Vec3;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
@@ -17,7 +18,52 @@ pub(super) struct SourceFile {
     name: Option<Name>,
     level_db: Option<Level>,
     position: Option<Point>,
+    yaw: Option<Degrees>,
+    pitch: Option<Degrees>,
+    directivity: Option<DirectivityFile>,
     path: Option<PathFile>,
+}
+
+/// A directivity. The order of the variants is that of [`DIRECTIVITIES`].
+#[derive(Deserialize)]
+#[serde(rename = "Directivity", deny_unknown_fields)]
+enum DirectivityFile {
+    Omnidirectional,
+    Subcardioid,
+    Cardioid,
+    Supercardioid,
+    Hypercardioid,
+    Figure8,
+    FirstOrder(OfBands<OmniShare>),
+    Balloon { file: String },
+}
+
+/// The names of the directivities in a scene file.
+pub(super) const DIRECTIVITIES: [&str; 8] = [
+    "Omnidirectional",
+    "Subcardioid",
+    "Cardioid",
+    "Supercardioid",
+    "Hypercardioid",
+    "Figure8",
+    "FirstOrder",
+    "Balloon",
+];
+
+impl DirectivityFile {
+    /// Returns the directivity, and reads its file.
+    fn read(&self, files: &Attached) -> Result<Directivity, SceneError> {
+        Ok(match self {
+            DirectivityFile::Omnidirectional => Directivity::Omnidirectional,
+            DirectivityFile::Subcardioid => Directivity::SUBCARDIOID,
+            DirectivityFile::Cardioid => Directivity::CARDIOID,
+            DirectivityFile::Supercardioid => Directivity::SUPERCARDIOID,
+            DirectivityFile::Hypercardioid => Directivity::HYPERCARDIOID,
+            DirectivityFile::Figure8 => Directivity::FIGURE8,
+            DirectivityFile::FirstOrder(share) => Directivity::FirstOrder(share.0),
+            DirectivityFile::Balloon { file } => Directivity::Balloon(files.balloon(file)?),
+        })
+    }
 }
 
 /// A listener whose radius has the type `R`. The radius is optional if the scene has a base.
@@ -83,28 +129,60 @@ fn path_of(file: &Option<PathFile>) -> Path {
 
 impl SourceFile {
     /// Returns the source of the file.
-    pub fn read(&self) -> Source {
+    pub fn read(&self, files: &Attached) -> Result<Source, SceneError> {
         let mut source = Source::at(Vec3::ZERO);
-        self.change(&mut source);
-        source
+        self.change(&mut source, files)?;
+        Ok(source)
     }
 
-    /// Applies the fields of the file to a source. A path without a position moves the source to the start of the path.
-    /// A position without a path removes the path of the source.
-    pub fn change(&self, source: &mut Source) {
+    /// Applies the fields of the file to a source. A path without a position moves the source to the pose at the start
+    /// of the path. A position or an angle without a path removes the path of the source.
+    pub fn change(&self, source: &mut Source, files: &Attached) -> Result<(), SceneError> {
         if let Some(name) = &self.name {
             source.name = Some(name.0.clone());
         }
         if let Some(Level(decibels)) = self.level_db {
             source.level_db = decibels;
         }
-        if self.position.is_none() && self.path.is_none() {
-            return;
+        if let Some(directivity) = &self.directivity {
+            source.directivity = directivity.read(files)?;
         }
-        source.path = path_of(&self.path);
-        let start = source.path.at(0.0).map(|key| key.position);
-        let position = self.position.map(|point| point.0).or(start);
-        source.position = position.unwrap_or(source.position);
+        let pose = (&mut source.position, &mut source.yaw, &mut source.pitch);
+        change_pose(
+            (self.position, self.yaw, self.pitch, &self.path),
+            pose,
+            &mut source.path,
+        );
+        Ok(())
+    }
+}
+
+/// Applies a position, a yaw, a pitch and a path of the file to those of a source or a listener.
+fn change_pose(
+    file: (
+        Option<Point>,
+        Option<Degrees>,
+        Option<Degrees>,
+        &Option<PathFile>,
+    ),
+    (position, yaw, pitch): (&mut Vec3, &mut f32, &mut f32),
+    path: &mut Path,
+) {
+    let (to, turn, elevation, along) = file;
+    if to.is_none() && turn.is_none() && elevation.is_none() && along.is_none() {
+        return;
+    }
+    *path = path_of(along);
+    match (to, path.at(0.0)) {
+        (None, Some(key)) => {
+            *position = key.position;
+            (*yaw, *pitch) = (key.yaw, key.pitch);
+        }
+        (to, _) => {
+            *position = to.map_or(*position, |point| point.0);
+            *yaw = turn.map_or(*yaw, |angle| angle.0);
+            *pitch = elevation.map_or(*pitch, |angle| angle.0);
+        }
     }
 }
 
@@ -127,22 +205,16 @@ impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
         if let Some(radius) = self.radius.into() {
             listener.radius = radius.0;
         }
-        let [yaw, pitch] = [self.yaw, self.pitch];
-        if self.position.is_none() && self.path.is_none() && yaw.is_none() && pitch.is_none() {
-            return;
-        }
-        listener.path = path_of(&self.path);
-        match (self.position, listener.path.at(0.0)) {
-            (None, Some(key)) => {
-                listener.position = key.position;
-                (listener.yaw, listener.pitch) = (key.yaw, key.pitch);
-            }
-            (position, _) => {
-                listener.position = position.map_or(listener.position, |point| point.0);
-                listener.yaw = yaw.map_or(listener.yaw, |angle| angle.0);
-                listener.pitch = pitch.map_or(listener.pitch, |angle| angle.0);
-            }
-        }
+        let pose = (
+            &mut listener.position,
+            &mut listener.yaw,
+            &mut listener.pitch,
+        );
+        change_pose(
+            (self.position, self.yaw, self.pitch, &self.path),
+            pose,
+            &mut listener.path,
+        );
     }
 }
 
@@ -204,9 +276,9 @@ impl<T: Placed> Several<T> {
         })
     }
 
-    /// Converts all elements.
-    pub fn read<U>(&self, read: impl Fn(&T) -> U) -> Vec<U> {
-        self.0.iter().map(read).collect()
+    /// The elements, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &T> {
+        self.0.iter()
     }
 }
 

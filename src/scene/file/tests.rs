@@ -282,7 +282,7 @@ fn sound_is_told_how_it_is_written() {
         ),
         (
             "sources: [Source(1)]",
-            "Source is written Source(name: …, level_db: …, position: …, path: …)",
+            "Source is written Source(name: …, level_db: …, position: …, yaw: …, pitch: …, directivity: …, path: …)",
         ),
     ] {
         let text = format!("Scene(surfaces: [],\n {said})");

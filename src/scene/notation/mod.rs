@@ -9,7 +9,7 @@ pub(crate) use numbers::{
     Plain, Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
 
-use super::{FIELDS, HeightImage, SceneError, UserField};
+use super::{Balloon, FIELDS, HeightImage, SceneError, UserField};
 use crate::file_input::read_text;
 use crate::text::in_a_line;
 use glam::Vec3;
@@ -267,6 +267,7 @@ pub(crate) struct Attached {
     place: Place,
     images: RefCell<Vec<(String, Arc<HeightImage>)>>,
     fields: RefCell<Vec<Arc<UserField>>>,
+    balloons: RefCell<Vec<(String, Arc<Balloon>)>>,
 }
 
 enum Place {
@@ -293,6 +294,7 @@ impl Attached {
             place,
             images: RefCell::default(),
             fields: RefCell::default(),
+            balloons: RefCell::default(),
         }
     }
 
@@ -352,6 +354,19 @@ impl Attached {
         Ok(field)
     }
 
+    /// Reads the measured directivity with this file name.
+    pub fn balloon(&self, name: &str) -> Result<Arc<Balloon>, SceneError> {
+        let known = self.balloons.borrow();
+        if let Some((_, balloon)) = known.iter().find(|(known, _)| known == name) {
+            return Ok(balloon.clone());
+        }
+        drop(known);
+        let balloon = Arc::new(read_balloon(&self.path(name)).map_err(|why| self.refused(why))?);
+        let read = (name.to_owned(), balloon.clone());
+        self.balloons.borrow_mut().push(read);
+        Ok(balloon)
+    }
+
     fn path(&self, name: &str) -> PathBuf {
         match &self.place {
             Place::Folder(folder) => folder.join(name),
@@ -381,6 +396,19 @@ impl Attached {
             why: in_a_line(&why).into_owned(),
         }
     }
+}
+
+#[cfg(feature = "sofa")]
+fn read_balloon(path: &Path) -> Result<Balloon, String> {
+    Balloon::read_sofa(path).map_err(|error| error.to_string())
+}
+
+#[cfg(not(feature = "sofa"))]
+fn read_balloon(path: &Path) -> Result<Balloon, String> {
+    let path = path.display();
+    Err(format!(
+        "cannot read the directivity {path}: this program is built without SOFA files"
+    ))
 }
 
 fn embedded(texts: &[(&str, &str)], name: &str) -> Option<String> {

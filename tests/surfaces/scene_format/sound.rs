@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use echomarch::scene::shape::{Room, Sphere};
-use echomarch::scene::{Air, Key, Material, Path, Transmission};
+use echomarch::scene::{Air, Directivity, Key, Material, Path, Transmission};
 use echomarch::{Listener, Scene, Source, Surface};
 use glam::Vec3;
 
@@ -20,7 +20,8 @@ const HALL: &str = r#"Scene(
     air: Air(temperature: 10, humidity: 70),
     sources: [
         Source(name: "flute", position: (3, 0, 0), level_db: -6),
-        Source(path: [Key(time: 0, position: (0, 1, 0)), Key(time: 3, position: (0, 1, 2))]),
+        Source(path: [Key(time: 0, position: (0, 1, 0)), Key(time: 3, position: (0, 1, 2), yaw: 90)],
+            directivity: FirstOrder(0.3)),
     ],
     listeners: [
         Listener(name: "row 1", position: (0, 0, 3), radius: 0.1, yaw: 30),
@@ -66,6 +67,12 @@ fn everything_that_is_said_is_in_the_scene() {
         (None, 0.0)
     );
     assert_eq!((sources[1].position, scene.duration()), (Vec3::Y, 3.0));
+    let directed = Directivity::first_order(0.3);
+    assert_eq!(
+        [&sources[0].directivity, &sources[1].directivity],
+        [&Directivity::Omnidirectional, &directed]
+    );
+    assert_eq!(scene.at(1.5).sources[1].yaw, 45f32.to_radians());
     let radii: Vec<f32> = scene
         .listeners
         .iter()
@@ -195,7 +202,7 @@ fn bad_sound_is_refused_at_its_place() {
         (
             "\"row 2\"",
             "\"row 1\"",
-            "18:67: two of the listeners are called \"row 1\"",
+            "19:67: two of the listeners are called \"row 1\"",
         ),
         (
             "air: Air",
@@ -205,7 +212,7 @@ fn bad_sound_is_refused_at_its_place() {
         (
             "air: Air",
             "listener: (radius: 1), air: Air",
-            "16:16: a scene has listener or listeners, not both",
+            "17:16: a scene has listener or listeners, not both",
         ),
     ];
     for (text, with, told) in cases {
@@ -215,6 +222,33 @@ fn bad_sound_is_refused_at_its_place() {
             .expect_err(with)
             .to_string();
         assert!(said.starts_with(&format!("text:{told}")), "{with}: {said}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+}
+
+/// Protects authors who mistype a directivity: the error states the line and the problem.
+#[test]
+fn bad_directivities_have_a_line() {
+    for (directivity, told) in [
+        (
+            "FirstOrder(1.5)",
+            "an omnidirectional share must be 0 to 1, not 1.5",
+        ),
+        (
+            "FirstOrder([0.5, 0.5])",
+            "an omnidirectional share is one number or eight (octave bands 63 Hz to 8 kHz), not 2",
+        ),
+        ("Cardoid", "Cardoid"),
+        ("Balloon(path: \"a.sofa\")", "path"),
+    ] {
+        let spoilt = HALL.replacen("FirstOrder(0.3)", directivity, 1);
+        assert_ne!(spoilt, HALL);
+        let said = Scene::from_ron(&spoilt, "text").expect_err(directivity);
+        let said = said.to_string();
+        assert!(
+            said.starts_with("text:15:") && said.contains(told),
+            "{said}"
+        );
         assert!(!said.contains('\n'), "{said}");
     }
 }
@@ -382,6 +416,12 @@ fn drawn(random: &mut Random) -> Scene {
         let mut source = Source::at(place(random));
         source.name = (random.unit() < 0.5).then(|| format!("source {index}"));
         source.level_db = (240.0 * random.unit() - 120.0) as f32;
+        source.yaw = (9.0 * random.unit()) as f32;
+        source.pitch = random.unit() as f32;
+        source.directivity = match random.unit() < 0.5 {
+            true => Directivity::first_order(share(random)),
+            false => Directivity::Omnidirectional,
+        };
         source.path = path(random);
         source
     };
@@ -426,6 +466,7 @@ fn without_angles(mut scene: Scene) -> Scene {
         listener.path = Path::new(keys.collect()).unwrap();
     }
     for source in &mut scene.sources {
+        (source.yaw, source.pitch) = (0.0, 0.0);
         let keys = source.path.keys().iter().map(|key| Key {
             yaw: 0.0,
             pitch: 0.0,

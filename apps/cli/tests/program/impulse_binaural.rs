@@ -82,7 +82,7 @@ fn bad_sofa_files_are_refused() {
     );
     call(
         &["--format", "binaural", "--sofa", "nowhere.sofa"],
-        "from nowhere.sofa: No such file",
+        "the SOFA file nowhere.sofa: No such file",
     );
     with("text.sofa", b"not HDF5 at all", "it is not a SOFA file");
     let bytes = good.bytes();
