@@ -24,7 +24,8 @@ pub struct Arrival {
     /// Direction of flight: a unit vector, world axes.
     pub direction: DVec3,
     /// The contribution of this crossing to the energy density for a source of unit power, times the speed of sound, in
-    /// 1/m²: reflectances × chord ÷ (open volume of the sphere × waves). The attenuation in air is not included.
+    /// 1/m²: directivity × reflectances × chord ÷ (open volume of the sphere × waves). The directivity is the source's
+    /// factor in the wave's start direction. The attenuation in air is not included.
     pub energy: Bands,
 }
 

@@ -83,7 +83,8 @@ struct Path {
     length_m: f64,
     departure: DVec3,
     arrival_direction: DVec3,
-    /// Energy density at the listener by band, in 1/m² for a source of power 1, without the loss in the air.
+    /// Energy density at the listener by band, in 1/m² for an omnidirectional source of power 1, without the loss in
+    /// the air.
     energy: Bands,
 }
 
@@ -102,9 +103,10 @@ impl From<DiffractedPath> for Path {
 }
 
 impl Path {
-    /// The sound along the path, with the source's level and the loss in the air.
+    /// The sound along the path, with the source's level and directivity, and the loss in the air.
     fn heard(self, pair: Pair, medium: &Medium) -> HeardPath {
-        let emitted = self.energy.map(|energy| energy * medium.level);
+        let radiated = pair.source.factor(self.departure);
+        let emitted = std::array::from_fn(|band| self.energy[band] * radiated[band] * medium.level);
         let (azimuth, elevation) = comes_from(pair.listener, -self.arrival_direction);
         let length_m = self.length_m;
         HeardPath {

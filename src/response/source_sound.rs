@@ -50,10 +50,15 @@ impl Medium {
     }
 }
 
-/// The share of the energy that all surfaces of a path reflect specularly, by band.
-pub(super) fn reflectance_of(scene: &Scene, path: &SpecularPath) -> Bands {
+/// The energy that leaves along a path, relative to an omnidirectional source, times the share that all surfaces of the
+/// path reflect specularly, by band.
+pub(super) fn radiated_along(pair: Pair, path: &SpecularPath) -> Bands {
     let at: Vec<(u32, Option<u8>)> = reflections(path).collect();
-    reflectance(scene, &at)
+    let (radiated, reflected) = (
+        pair.source.factor(path.departure),
+        reflectance(pair.scene, &at),
+    );
+    std::array::from_fn(|band| radiated[band] * reflected[band])
 }
 
 /// The share of the energy that these surfaces and walls reflect specularly, by band.
@@ -134,7 +139,7 @@ pub struct HeardPath {
     /// Seconds from the source's impulse to its arrival.
     pub delay_s: f64,
     /// Energy density at the listener by band, in 1/m² for a source of power 1, including the
-    /// losses at the surfaces and in the air, and the source's level.
+    /// losses at the surfaces and in the air, and the source's level and directivity.
     pub energy: Bands,
     /// Azimuth of the direction that the sound comes from, to the right of the listener's viewing direction, in radians
     /// from −π to π.

@@ -11,13 +11,14 @@ use super::start_order::Starts;
 use super::targets::draw;
 use super::{Algorithm, Grid, Profile, Settings, TraceError, Tracer};
 use crate::arrival::Arrival;
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
-use crate::scene::{IntoPair, Pair, Scene};
+use crate::scene::{IntoPair, Pair, Scene, Source};
 use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -134,6 +135,13 @@ impl Tracer {
             WavesToFollow::Numbers(_) => settings.clone(),
             WavesToFollow::Starts { waves, .. } => settings.clone().with_waves(*waves),
         };
+        // Waves with given starts need no directions from the settings.
+        let directed = match waves {
+            WavesToFollow::Numbers(_) if !pair.source.directivity.is_omnidirectional() => {
+                Some(self.start_directions(&settings)?)
+            }
+            _ => None,
+        };
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
             let run = tracer.prepare_arrivals(pair, &settings, how)?;
@@ -145,7 +153,11 @@ impl Tracer {
             for numbers in waves.blocks(WAVES_IN_BLOCK) {
                 let starts = waves.starts(&numbers);
                 let starts = starts.as_deref();
-                let block = tracer.arrivals_of_block(&run, numbers, starts, &mut counts, take)?;
+                let of_block = numbers.start as usize..numbers.end as usize;
+                let directed = directed.as_ref().map(|all| &all[of_block]);
+                let energies = start_energies(&run, pair.source, (starts, directed), numbers.len());
+                let from = (numbers, starts, energies);
+                let block = tracer.arrivals_of_block(&run, from, &mut counts, take)?;
                 cut_off_m.extend(block.cut_off_m());
             }
             let waves = f64::from(settings.waves);
@@ -230,12 +242,12 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows the waves of a block through all their chunks. While one chunk is drawn, the previous chunk is summed.
+    /// Follows the waves of a block, with their initial energies, through all their chunks. While one chunk is drawn,
+    /// the previous chunk is summed.
     fn arrivals_of_block(
         &mut self,
         run: &Run,
-        numbers: Range<u32>,
-        starts: Option<&[Start]>,
+        (numbers, starts, energies): (Range<u32>, Option<&[Start]>, Vec<Bands>),
         counts: &mut ArrivalCounts,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<Block, Error> {
@@ -257,7 +269,6 @@ impl Tracer {
         if let Some(starts) = starts {
             targets.upload_starts(run.frame.start(), starts)?;
         }
-        let energies = start_energies(run, starts, numbers.len());
         let mut block = Block::new(numbers.start, (grid, order), energies);
         let mut part = Part {
             first_wave: numbers.start,
@@ -376,21 +387,36 @@ impl Tracer {
     }
 }
 
-/// The energies of waves at the source. The result is empty if all energies are 1 and no reflection changes them.
-fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
-    let of_weight = |weight: f64| {
-        std::array::from_fn(|band| match run.bands.contains(&band) {
-            true => weight,
+/// The energies of waves at the source, with its directivity. `directed` has the directions of waves without given
+/// starts if the source has a directivity. The result is empty if all energies are 1 and no reflection changes them.
+fn start_energies(
+    run: &Run,
+    source: &Source,
+    (starts, directed): (Option<&[Start]>, Option<&[Vec3]>),
+    waves: usize,
+) -> Vec<Bands> {
+    let traced = run.bands.clone();
+    let in_bands = |energies: Bands| {
+        std::array::from_fn(|band| match traced.contains(&band) {
+            true => energies[band],
             false => 0.0,
         })
     };
+    let factor = |direction: &Vec3| source.factor(direction.as_dvec3());
     if let Some(starts) = starts {
-        let energy = |start: &Start| of_weight(f64::from(start.weight));
-        return starts.iter().map(energy).collect();
+        let energy = |start: &Start| {
+            let weight = f64::from(start.weight);
+            in_bands(factor(&start.direction).map(|factor| weight * factor))
+        };
+        return starts.par_iter().map(energy).collect();
     }
-    let are_all_one = run.replay.events.is_none() && run.bands == (0..BAND_COUNT);
+    if let Some(directed) = directed {
+        let energy = |direction: &Vec3| in_bands(factor(direction));
+        return directed.par_iter().map(energy).collect();
+    }
+    let are_all_one = run.replay.events.is_none() && traced == (0..BAND_COUNT);
     match !are_all_one {
-        true => vec![of_weight(1.0); waves],
+        true => vec![in_bands(bands::ALL); waves],
         false => Vec::new(),
     }
 }

@@ -5,6 +5,7 @@ mod common;
 
 mod asynchronous_frames;
 mod curved_responses;
+mod directivity;
 mod gpu_contexts;
 mod options;
 mod pairs;

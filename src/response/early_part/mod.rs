@@ -7,7 +7,7 @@ pub(super) use caught::Caught;
 
 use super::late::casts_shadows;
 use super::source_sound::{
-    HeardPath, Medium, PathKind, comes_from, crossing, mirrored_share, passing, reflectance_of,
+    HeardPath, Medium, PathKind, comes_from, crossing, mirrored_share, passing, radiated_along,
 };
 use crate::bands::{self, Bands};
 use crate::error::Error;
@@ -197,9 +197,10 @@ impl EarlyPart {
     pub fn heard(&self, pair: Pair, medium: &Medium) -> Vec<HeardPath> {
         let paths = self.paths.iter().enumerate();
         let heard = |(index, path): (usize, &SpecularPath)| {
+            // The waves of a focus carry the directivity.
             let at_listener = match path.is_focus {
                 true => self.energy_of_waves(index),
-                false => reflectance_of(pair.scene, path).map(|share| share * path.spreading),
+                false => radiated_along(pair, path).map(|energy| energy * path.spreading),
             };
             let emitted = at_listener.map(|energy| energy * medium.level);
             let (azimuth, elevation) = comes_from(pair.listener, -path.arrival_direction);
@@ -229,7 +230,7 @@ impl EarlyPart {
         is_left_out: &dyn Fn(&SpecularPath) -> bool,
     ) -> Vec<Tap> {
         match &self.replaced {
-            Some(replaced) => replaced.mean_taps(pair.scene, medium, heard, is_left_out),
+            Some(replaced) => replaced.mean_taps(pair, medium, heard, is_left_out),
             None => unhidden_taps(heard, pair.listener.radius.into(), is_left_out),
         }
     }

@@ -10,9 +10,9 @@ use super::length_m;
 use crate::bands::{self, Bands};
 use crate::response::Tap;
 use crate::response::exact_paths::{Candidates, EarlyPaths, Ends, Found, SpecularPath, Vertex};
-use crate::response::source_sound::{HeardPath, Medium, reflectance, reflectance_of};
+use crate::response::source_sound::{HeardPath, Medium, radiated_along, reflectance};
 use crate::sampling::lattice;
-use crate::scene::Scene;
+use crate::scene::{Pair, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -55,6 +55,8 @@ struct Image {
     at: Vec<(u32, Option<u8>)>,
     /// Index of the exact path from the image to the listener's centre; `None` if the image only reaches other points.
     path: Option<usize>,
+    /// Direction in which the sound leaves the source: a vector of any length, 0 if unknown.
+    departure: DVec3,
 }
 
 /// The exact paths, evaluated at points of the listener's sphere away from its centre, and the images that reach only
@@ -137,6 +139,10 @@ impl Replaced {
             place: self.early.image(&self.ends, vertices),
             at: surfaces.zip(self.early.walls(vertices)).collect(),
             path,
+            departure: vertices
+                .first()
+                .map_or(self.ends.listener, |vertex| vertex.point)
+                - self.ends.source,
         }
     }
 
@@ -161,7 +167,7 @@ impl Replaced {
     /// to its centre. `heard` contains all exact paths. The taps leave out paths for which `is_left_out` holds.
     pub fn mean_taps(
         &self,
-        scene: &Scene,
+        pair: Pair,
         medium: &Medium,
         heard: &[HeardPath],
         is_left_out: &dyn Fn(&SpecularPath) -> bool,
@@ -176,10 +182,10 @@ impl Replaced {
         };
         let found: Vec<(Vec<f64>, Vec<f64>)> = places.par_iter().map(spreadings).collect();
         let share = medium.level / places.len().max(1) as f64;
-        let tap = |length_m: f64, reflectance: Bands, spreading: f64| Tap {
+        let tap = |length_m: f64, radiated: Bands, spreading: f64| Tap {
             seconds: length_m / medium.speed,
             energy: bands::through_air(
-                &reflectance.map(|left| left * spreading * share),
+                &radiated.map(|left| left * spreading * share),
                 &medium.air,
                 length_m,
             ),
@@ -195,7 +201,10 @@ impl Replaced {
             if image.path.is_none_or(is_kept) {
                 let spreading = found.iter().map(|(of_images, _)| of_images[index]).sum();
                 let length_m = image.place.distance(self.ends.listener);
-                taps.push(tap(length_m, reflectance(scene, &image.at), spreading));
+                let radiated = pair.source.factor(image.departure);
+                let reflected = reflectance(pair.scene, &image.at);
+                let energy = std::array::from_fn(|band| radiated[band] * reflected[band]);
+                taps.push(tap(length_m, energy, spreading));
             }
         }
         for (index, path) in self
@@ -206,7 +215,7 @@ impl Replaced {
         {
             let spreading = found.iter().map(|(_, curved)| curved[index]).sum();
             let path = &heard[*path].path;
-            taps.push(tap(path.length_m, reflectance_of(scene, path), spreading));
+            taps.push(tap(path.length_m, radiated_along(pair, path), spreading));
         }
         let others = self.others.iter().filter(|path| is_kept(**path));
         taps.extend(others.map(|path| heard[*path].tap()));

@@ -295,9 +295,12 @@ pub(super) fn further_arrival(
     }
     let cross_section_m2 = PI * f64::from(pair.listener.radius).powi(2);
     let whole = medium.level / (cross_section_m2 * f64::from(waves));
-    Ok(further.map(|energy| match energy > 0.0 && !are_few {
-        true => energy,
-        false => energy.max(whole),
+    let greatest = pair.source.directivity.greatest_factor();
+    Ok(std::array::from_fn(|band| {
+        match further[band] > 0.0 && !are_few {
+            true => further[band],
+            false => further[band].max(whole * greatest[band]),
+        }
     }))
 }
 
