@@ -11,10 +11,13 @@
 //! compensates for the uneven starts. The pilot waves are then dropped, because they have influenced the starts of the
 //! other waves, and sums have no bias. (If the other waves start evenly, the pilot waves count although they led to
 //! this decision: the resulting bias is small.)
+//!
+//! The energies of pilot waves contain the directivity of the source. If there are no pilot waves, and the source
+//! radiates in a narrow lobe, most waves are drawn by the energy that the source radiates ([`Importance::of_source`]).
 
 use super::pilot::Pilot;
 use crate::sampling::{hash, unit_interval};
-use crate::scene::Scene;
+use crate::scene::{Scene, Source};
 use crate::shader::Materials;
 use crate::sphere_cells::Cells;
 use crate::tracer::{Directions, Settings, Start};
@@ -64,7 +67,11 @@ pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings)
     }
 }
 
-/// Distribution of the start directions after the pilot waves.
+/// Number of cells for the directivity of a source: a cell has a width of about 3°, as narrow as the lobe of a horn at
+/// 8 kHz.
+const CELLS_OF_SOURCE: f64 = 6144.0;
+
+/// Distribution of the start directions after the pilot waves, or for the directivity of a source.
 pub(super) struct Importance {
     cells: Cells,
     /// Cumulative probability of each cell.
@@ -104,6 +111,44 @@ impl Importance {
             *wanted += whole / (DIVIDED * DIVIDED) as f64;
         }
         Importance::by(fine, &wanted)
+    }
+
+    /// The distribution by the energy that the source radiates in these bands; `None` if waves may start evenly,
+    /// because there are few of them, their directions are a lattice, or the source radiates almost evenly.
+    pub fn of_source(
+        source: &Source,
+        bands: &Range<usize>,
+        trace: &Settings,
+    ) -> Option<Importance> {
+        let is_random = trace.directions == Directions::Random;
+        let are_few = trace.waves / ONE_OF < *PILOT_WAVES.start();
+        if source.directivity.is_omnidirectional() || !is_random || are_few {
+            return None;
+        }
+        let cells = Cells::about(CELLS_OF_SOURCE);
+        let radiated = |cell: usize| {
+            let (direction, steradians) = cells.direction(cell, [0.5; 2]);
+            let factors = source.factor(direction);
+            let squares = factors[bands.clone()].iter().map(|factor| factor * factor);
+            let mean_square = squares.sum::<f64>() / bands.len() as f64;
+            (mean_square.sqrt(), steradians / (4.0 * PI))
+        };
+        let radiated: Vec<(f64, f64)> = (0..cells.count()).map(radiated).collect();
+        let mean: f64 = radiated
+            .iter()
+            .map(|(radiated, share)| radiated * share)
+            .sum();
+        let squares = radiated
+            .iter()
+            .map(|(radiated, share)| radiated * radiated * share);
+        if squares.sum::<f64>() < LEAST_UNEVENNESS * mean * mean {
+            return None;
+        }
+        let wanted: Vec<f64> = radiated
+            .iter()
+            .map(|(radiated, share)| radiated * share)
+            .collect();
+        Some(Importance::by(cells, &wanted))
     }
 
     /// The distribution over `cells` for the importance `wanted` of each cell.
@@ -189,7 +234,7 @@ mod tests {
     use super::*;
     use crate::bands::BAND_COUNT;
     use crate::sampling::lattice;
-    use crate::scene::Material;
+    use crate::scene::{Balloon, Directivity, Material};
     use glam::DVec3;
 
     const WAVES: u32 = 1 << 15;
@@ -258,6 +303,43 @@ mod tests {
             most.is_some_and(|(most, least)| most - least < most / 6),
             "{found:?}"
         );
+    }
+
+    /// Protects sources with a narrow lobe: most waves start within it, and the weights compensate for this. Waves of
+    /// sources that radiate almost evenly, waves of lattices, and few waves start evenly.
+    #[test]
+    fn most_waves_start_in_the_lobe_of_a_source() {
+        const MANY: u32 = 1 << 17;
+        let trace = Settings::default()
+            .with_waves(MANY)
+            .with_directions(Directions::Random);
+        let lobe = |d: DVec3| (d, [(0.5 + 0.5 * d.x).powi(16); BAND_COUNT]);
+        let balloon = Balloon::new("lobe", lattice(2000).map(lobe)).expect("a good balloon");
+        let directed = |directivity| Source::at([0.0; 3]).with_directivity(directivity);
+        let narrow = directed(Directivity::Balloon(balloon.into()));
+        let of = |source: &Source, trace: &Settings| Importance::of_source(source, &(0..8), trace);
+        let starts = of(&narrow, &trace)
+            .expect("a lobe")
+            .starts(0..MANY, MANY, 16, 3);
+        let in_lobe = starts
+            .iter()
+            .filter(|start| start.direction.z < -0.7)
+            .count();
+        assert!(in_lobe > MANY as usize / 2, "{in_lobe}");
+        let power = |start: &Start| {
+            let factor = narrow.factor(start.direction.as_dvec3())[0];
+            f64::from(start.weight) * factor
+        };
+        let powers: Vec<f64> = starts.iter().map(power).collect();
+        let mean = powers.iter().sum::<f64>() / f64::from(MANY);
+        assert!((mean - 1.0).abs() < 0.005, "{mean}");
+        let mean_square = powers.iter().map(|power| power * power).sum::<f64>() / f64::from(MANY);
+        // With even starts the mean square is that of the factors, 17²/33.
+        assert!(mean_square < 2.0, "{mean_square}");
+        assert!(of(&directed(Directivity::CARDIOID), &trace).is_none());
+        let lattice = trace.clone().with_directions(Directions::Fibonacci);
+        assert!(of(&narrow, &lattice).is_none());
+        assert!(of(&narrow, &trace.with_waves(8191)).is_none());
     }
 
     /// Protects even starts: without important directions waves are not drawn by importance.

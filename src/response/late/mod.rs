@@ -177,8 +177,7 @@ impl LateWaves<'_> {
         batches: usize,
     ) -> Result<Followed, Error> {
         if pilot_waves == 0 {
-            let all = WavesToFollow::Numbers(0..trace.waves);
-            return self.follow(trace, &all, None);
+            return self.follow_unpiloted(trace, batches);
         }
         let before = self.echogram.clone();
         let half = pilot_waves / 2;
@@ -195,6 +194,17 @@ impl LateWaves<'_> {
         let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
         *self.echogram = before;
         let waves = trace.waves - pilot_waves;
+        let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
+        self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
+    }
+
+    /// Traces all waves: by the directivity of the source if it is narrow, otherwise evenly.
+    fn follow_unpiloted(mut self, trace: &Settings, batches: usize) -> Result<Followed, Error> {
+        let waves = trace.waves;
+        let source = self.pair.source;
+        let Some(importance) = Importance::of_source(source, &self.how.bands, trace) else {
+            return self.follow(trace, &WavesToFollow::Numbers(0..waves), None);
+        };
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
     }
