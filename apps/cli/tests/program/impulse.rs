@@ -298,7 +298,8 @@ fn paths_through_walls_are_named() {
     std::fs::write(&file, divided).unwrap();
     let file = argument(&file);
     let call = ["impulse", file, "--waves", "1024", "--seconds", "0.1"];
-    let text = stdout(&succeed(&call));
+    let output = succeed(&call);
+    let text = stdout(&output);
     assert!(text.contains("transmitted through pane"), "{text}");
     let report: Value = json(&call);
     let path = &report["pairs"][0]["paths"][0];
