@@ -34,6 +34,10 @@ pub struct Report<'a> {
 #[derive(Serialize)]
 struct PairReport<'a> {
     source: &'a str,
+    /// The kind of the source's directivity, as in a scene file, and the direction of the source's axis.
+    directivity: &'static str,
+    source_yaw_deg: f64,
+    source_pitch_deg: f64,
     listener: &'a str,
     seconds: f64,
     iterations: u32,
@@ -132,8 +136,13 @@ fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
         cut_off,
         ..
     } = &response.figures;
+    let source = pair.pair.source();
+    let degrees = |radians: f32| f64::from(radians.to_degrees());
     PairReport {
         source: &pair.source,
+        directivity: source.directivity.kind(),
+        source_yaw_deg: degrees(source.yaw),
+        source_pitch_deg: degrees(source.pitch),
         listener: &pair.listener,
         seconds: response.seconds,
         iterations: response.counts.iterations,

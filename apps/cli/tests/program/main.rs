@@ -17,6 +17,7 @@ mod gpu_report;
 mod heard_paths;
 mod impulse;
 mod impulse_binaural;
+mod impulse_directed;
 mod interrupted;
 mod levels;
 mod localise;
