@@ -31,7 +31,7 @@ const MEAN_DIRECTIONS: u64 = 1 << 16;
 /// assert!((ahead / behind - 2.0).abs() < 1e-9);
 /// # Ok::<(), echomarch::scene::BalloonError>(())
 /// ```
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 pub struct Balloon {
     name: String,
     facets: IndexedFacets,
@@ -136,6 +136,14 @@ impl Balloon {
         &self.name
     }
 
+    /// The same directivity with another name.
+    pub(crate) fn with_name(&self, name: String) -> Balloon {
+        Balloon {
+            name,
+            ..self.clone()
+        }
+    }
+
     /// The measured directions: unit vectors in the axes of the source.
     pub fn directions(&self) -> &[DVec3] {
         self.facets.directions()
@@ -184,6 +192,14 @@ impl Balloon {
         let directions: Vec<DVec3> = lattice(MEAN_DIRECTIONS).collect();
         let factors: Vec<Bands> = directions.par_iter().map(|d| self.factor(*d)).collect();
         bands::sum(&factors).map(|sum| sum / MEAN_DIRECTIONS as f64)
+    }
+}
+
+/// Balloons with the same energies are equal. Their names may differ, because scenes in different folders name the same
+/// file differently.
+impl PartialEq for Balloon {
+    fn eq(&self, other: &Balloon) -> bool {
+        self.amplitudes == other.amplitudes && self.directions() == other.directions()
     }
 }
 

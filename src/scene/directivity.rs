@@ -112,7 +112,7 @@ impl Directivity {
     }
 }
 
-/// Two balloons are equal if they have the same name and the same energies.
+/// Two balloons are equal if they have the same energies, regardless of their files.
 impl PartialEq for Directivity {
     fn eq(&self, other: &Directivity) -> bool {
         match (self, other) {

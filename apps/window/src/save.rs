@@ -60,7 +60,7 @@ pub fn save(
     let expected = expected(world)?;
     let mut file = BasedScene::of(&world.name, folder)?;
     if world.source.is_some() {
-        file.put_source(&expected);
+        file.put_source(&expected)?;
     }
     if world.walker.is_some() {
         file.put_listener(&expected);
@@ -344,6 +344,10 @@ mod tests {
             "materials: {\"brick\": Material(absorption: 0.5)}, air: Air(humidity: 90)",
             "source: Source(name: \"oboe\", level_db: 6), listener: Listener(name: \"b\")",
             "sources: [Source(name: \"x \\\" y\", level_db: 0.1), Source(position: (1, 2, 3))]",
+            "source: Source(yaw: 33.3, directivity: Cardioid)",
+            "source: Source(directivity: FirstOrder(0.3), \
+                path: [Key(time: 0, position: (1, 1, 1), yaw: 33.3, pitch: -7.7)])",
+            "sources: [Source(yaw: 33.3, pitch: -7.7, directivity: Figure8), Source(position: (1, 2, 3))]",
             "listeners: [Listener(radius: 0.1, pitch: 7), Listener(radius: 2, yaw: 0.3, name: \"b\")]",
         ];
         for said in between {
@@ -361,6 +365,7 @@ mod tests {
                 read.sources[0].level_db, opened.sources[0].level_db,
                 "{said}"
             );
+            assert_eq!(read.sources[0].directivity, opened.sources[0].directivity);
             assert_eq!(read.listeners[0].name, opened.listeners[0].name, "{said}");
             assert_eq!(read.sources[1..], opened.sources[1..], "{said}");
             assert_eq!(read.listeners[1..], opened.listeners[1..], "{said}");

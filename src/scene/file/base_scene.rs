@@ -11,14 +11,14 @@
 //! A scene always has exactly the surfaces of its base, so that a chain of files needs memory for only one list of
 //! surfaces.
 
-use super::serialise::{listeners, sources};
+use super::serialise::{degrees, listeners, sources};
 use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
 use super::surfaces::{AirFile, Materials};
 use super::text::{Place, RawFields, Refused, place_of};
 use super::{folder_of, malformed, options, text_of};
 use crate::scene::check::twice;
 use crate::scene::notation::{Attached, FixedRadius, Name, Written};
-use crate::scene::{Named, Scene, SceneError, named};
+use crate::scene::{Directivity, Named, Scene, SceneError, named};
 use glam::Vec3;
 use ron::ser::PrettyConfig;
 use ron::value::RawValue;
@@ -26,6 +26,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 /// Maximum number of bases in a chain. Chains are written by hand, and each file may have the maximum size.
 const MOST_BASES: usize = 8;
@@ -266,6 +267,8 @@ fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasedScene {
     base: String,
+    /// The folder of the file.
+    folder: PathBuf,
     /// The text of each field except `values`.
     fields: BTreeMap<&'static str, String>,
     values: BTreeMap<String, f32>,
@@ -282,7 +285,7 @@ const FIELDS: [&str; 7] = [
     "listeners",
 ];
 
-/// The fields of a source that do not change when the source moves.
+/// The fields of a source that do not change when the source moves, and its path.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Source")]
 struct KeptSource<'a> {
@@ -296,6 +299,8 @@ struct KeptSource<'a> {
     pitch: Option<&'a RawValue>,
     #[serde(borrow)]
     directivity: Option<&'a RawValue>,
+    #[serde(borrow)]
+    path: Option<&'a RawValue>,
 }
 
 /// The fields of a listener that do not change when the listener moves.
@@ -316,6 +321,7 @@ impl BasedScene {
     pub fn of(origin: &str, folder: &Path) -> Result<BasedScene, SceneError> {
         let on = |base: String| BasedScene {
             base,
+            folder: folder.to_owned(),
             ..BasedScene::default()
         };
         if Scene::BUILTIN_NAMES.contains(&origin) {
@@ -330,7 +336,11 @@ impl BasedScene {
             Some(file) => relative(folder, &file)?,
             None => said.base,
         };
-        Ok(BasedScene { base, ..said })
+        Ok(BasedScene {
+            base,
+            folder: folder.to_owned(),
+            ..said
+        })
     }
 
     /// The content of a file; `None` if the file has no base.
@@ -348,30 +358,58 @@ impl BasedScene {
             base: said.read("base")?,
             fields: fields.collect(),
             values: values.into_iter().map(ValueFile::pair).collect(),
+            ..BasedScene::default()
         })
     }
 
     /// Writes the position of the first source in `scene` to this file, without a path. The other sources of `scene`
     /// must equal those of this file.
-    pub fn put_source(&mut self, scene: &Scene) {
-        if let Some(list) = self.fields.get_mut("sources") {
-            *list = in_ron(&sources(scene));
-            return;
+    ///
+    /// # Errors
+    /// [`SceneError::NoBase`] for a measured directivity whose path cannot be written in a scene file.
+    pub fn put_source(&mut self, scene: &Scene) -> Result<(), SceneError> {
+        if self.fields.contains_key("sources") {
+            let list = in_ron(&sources(&self.naming_directivities(scene)?));
+            self.fields.insert("sources", list);
+            return Ok(());
         }
         let Some(first) = scene.sources.first() else {
-            return;
+            return Ok(());
         };
-        let kept: KeptSource = self.said("source");
-        let kept = again([
-            ("name", kept.name),
-            ("level_db", kept.level_db),
-            ("yaw", kept.yaw),
-            ("pitch", kept.pitch),
-            ("directivity", kept.directivity),
-        ]);
+        let said: KeptSource = self.said("source");
+        let mut kept = again([("name", said.name), ("level_db", said.level_db)]);
+        match said.path {
+            // The angles may be those of the path.
+            Some(_) => {
+                for (name, angle) in [("yaw", first.yaw), ("pitch", first.pitch)] {
+                    let _ = write!(kept, "{name}: {}, ", in_ron(&degrees(angle)));
+                }
+            }
+            None => kept += &again([("yaw", said.yaw), ("pitch", said.pitch)]),
+        }
+        match (&first.directivity, said.directivity) {
+            (Directivity::Balloon(balloon), Some(_)) => {
+                let file = quoted(&relative(&self.folder, Path::new(balloon.name()))?);
+                let _ = write!(kept, "directivity: Balloon(file: {file}), ");
+            }
+            (_, directivity) => kept += &again([("directivity", directivity)]),
+        }
         let position = point(first.position);
         let text = format!("Source({kept}position: {position})");
         self.fields.insert("source", text);
+        Ok(())
+    }
+
+    /// The scene, in which the files of directivities are named relative to the folder of this file.
+    fn naming_directivities(&self, scene: &Scene) -> Result<Scene, SceneError> {
+        let mut scene = scene.clone();
+        for source in &mut scene.sources {
+            if let Directivity::Balloon(balloon) = &mut source.directivity {
+                let name = relative(&self.folder, Path::new(balloon.name()))?;
+                *balloon = Arc::new(balloon.with_name(name));
+            }
+        }
+        Ok(scene)
     }
 
     /// Writes the position and direction of the first listener in `scene` to this file, without a path. The other

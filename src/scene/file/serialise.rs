@@ -312,7 +312,7 @@ fn number(name: &str, value: f32, quantity: Quantity, drivers: &[Driver]) -> Wri
     }
 }
 
-fn degrees(radians: f32) -> Written {
+pub(super) fn degrees(radians: f32) -> Written {
     Written::Number(in_file(Quantity::Angle, radians))
 }
 

@@ -1,6 +1,10 @@
 //! Tests of files with a base, of messages about incorrect notation, and of changing files.
 
+#[cfg(feature = "sofa")]
+use crate::scene::BasedScene;
 use crate::scene::{Path as KeyPath, Scene, SceneError, SceneWatch, Source};
+#[cfg(feature = "sofa")]
+use crate::test_common::sofa::SofaFile;
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -235,6 +239,33 @@ fn a_base_is_watched_and_never_replaced() {
     assert!(settled().unwrap().is_err());
     folder.write("hall.ron", HALL);
     assert_eq!(settled().unwrap().unwrap(), first);
+}
+
+/// Protects saved scenes with a measured directivity: its file is found from another folder, for one source and for a
+/// list of sources.
+#[cfg(feature = "sofa")]
+#[test]
+fn a_saved_directivity_is_found_from_another_folder() {
+    let folder = Folder::new();
+    let measured = [([0.0, 0.0], vec![2.0]), ([90.0, 0.0], vec![1.0])];
+    let horn = SofaFile::directivity(&[500.0], &measured).bytes();
+    std::fs::write(folder.path("horn.sofa"), horn).unwrap();
+    let elsewhere = folder.path("else/where");
+    std::fs::create_dir_all(&elsewhere).unwrap();
+    let horn = "yaw: 33.3, directivity: Balloon(file: \"horn.sofa\")";
+    for said in [
+        format!("source: Source({horn})"),
+        format!("sources: [Source(name: \"a\", {horn}), Source(position: (0, 0, 1))]"),
+    ] {
+        let text = format!("Scene(base: \"hall.ron\", {said})");
+        let mut expected = folder.read(&text).unwrap();
+        (expected.sources[0].position, expected.sources[0].path) = (Vec3::ONE, KeyPath::default());
+        let origin = folder.path("small.ron");
+        let mut file = BasedScene::of(origin.to_str().unwrap(), &elsewhere).unwrap();
+        file.put_source(&expected).unwrap();
+        let saved = Scene::from_ron_in(&file.text("saved"), "saved", &elsewhere).unwrap();
+        assert_eq!(saved.sources, expected.sources, "{said}");
+    }
 }
 
 fn told(shape: &str) -> String {
