@@ -4,7 +4,7 @@ use super::app::App;
 use super::report::{EndPose, FrameLine, Report};
 use super::save::trace_call;
 use echomarch::glam::Vec3;
-use echomarch::scene::{Listener, Scene, Surface};
+use echomarch::scene::{Listener, Scene, Source, Surface};
 use echomarch_walk::World;
 use std::time::SystemTime;
 
@@ -110,21 +110,21 @@ fn place(position: Option<Vec3>) -> [f32; 3] {
 /// Whether two scenes have equal surfaces, air, sources and listeners. Angles may differ by the rounding of degrees.
 /// The file names in surfaces may differ, because a saved scene names the same files from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
-    let places = |scene: &Scene| {
-        scene
-            .sources
-            .iter()
-            .map(|s| (s.position, s.level_db))
-            .collect::<Vec<_>>()
-    };
     let turn = |a: f32, b: f32| (a - b).sin().abs();
+    let is_turned = |a: [f32; 2], b: [f32; 2]| turn(a[0], b[0]) + turn(a[1], b[1]) >= 1e-4;
+    let sounds_as = |(a, b): (&Source, &Source)| {
+        (a.position, a.level_db) == (b.position, b.level_db)
+            && a.directivity == b.directivity
+            && !is_turned([a.yaw, a.pitch], [b.yaw, b.pitch])
+    };
     let is_heard_as = |(a, b): (&Listener, &Listener)| {
         a.position == b.position
             && a.radius == b.radius
-            && turn(a.yaw, b.yaw) + turn(a.pitch, b.pitch) < 1e-4
+            && !is_turned([a.yaw, a.pitch], [b.yaw, b.pitch])
     };
     let is_alike = |(a, b): (&Surface, &Surface)| a.is_alike(b);
-    places(a) == places(b)
+    a.sources.len() == b.sources.len()
+        && a.sources.iter().zip(&b.sources).all(sounds_as)
         && a.listeners.len() == b.listeners.len()
         && a.listeners.iter().zip(&b.listeners).all(is_heard_as)
         && (&a.materials, a.air) == (&b.materials, b.air)
@@ -166,6 +166,12 @@ mod tests {
         let mut warm = other.clone();
         warm.air = Some(echomarch::scene::Air::default());
         assert!(!stands_as(&one, &warm));
+        let mut turned = other.clone();
+        turned.sources[0].yaw = 1.0;
+        assert!(!stands_as(&one, &turned));
+        let mut directed = other.clone();
+        directed.sources[0].directivity = echomarch::scene::Directivity::CARDIOID;
+        assert!(!stands_as(&one, &directed));
         let mut two = other;
         two.sources.push(two.sources[0].clone());
         assert!(!stands_as(&one, &two));
