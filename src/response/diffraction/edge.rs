@@ -14,6 +14,15 @@ pub(super) struct Edge {
     pub along: DVec3,
 }
 
+/// The side of an edge on which the air is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Side {
+    /// The solid hides the ends of the legs from each other: the air is on the side of the greater angle.
+    Hidden,
+    /// The air begins at the first leg in this direction.
+    Air(DVec3),
+}
+
 /// Passes of the search for the stationary way over several edges: each pass moves one contact after the other to the
 /// best place, and the error falls by a constant factor.
 const PASSES: usize = 64;
@@ -52,15 +61,15 @@ impl Edge {
         (along, from - self.along * along)
     }
 
-    /// The wedge of air around the edge between the ends of its two legs. `is_hidden` states whether the edge hides the
-    /// ends from each other; `radius` is the distance from the edge, in metres, at which the faces are sought.
+    /// The wedge of air around the edge between the ends of its two legs. `side_of_air` states where the air is;
+    /// `radius` is the distance from the edge, in metres, at which the faces are sought.
     ///
     /// `None` if an end lies on the edge's line or no face is found.
     pub fn wedge(
         &self,
         space: &impl Space,
         [a, b]: [DVec3; 2],
-        is_hidden: bool,
+        side_of_air: Side,
         radius: f64,
     ) -> Option<Wedge> {
         let (along_a, off_a) = self.split(a);
@@ -70,9 +79,12 @@ impl Edge {
         let side = self.along.cross(towards_a);
         // A string bends round the solid: in the shadow the way through the air is the longer way round the edge.
         let angle = towards_b.dot(side).atan2(towards_b.dot(towards_a));
-        let through_air = match is_hidden {
-            true => angle - 2.0 * PI * angle.signum(),
-            false => angle,
+        let through_air = match side_of_air {
+            Side::Hidden => angle - 2.0 * PI * angle.signum(),
+            Side::Air(outwards) => {
+                let turn = outwards.dot(side).signum();
+                turn * (turn * angle).rem_euclid(2.0 * PI)
+            }
         };
         // From each leg on, away from the other.
         let turn = through_air.signum();
@@ -87,6 +99,25 @@ impl Edge {
             receiver_angle: face_a + through_air.abs(),
             along_m: (along_b - along_a).abs(),
         })
+    }
+
+    /// Unit vectors along the face that lies beside the leg to `end`, away from the leg to `other`, at right angles to the
+    /// edge, and out of the solid there.
+    pub fn face_beside(
+        &self,
+        space: &impl Space,
+        [end, other]: [DVec3; 2],
+        radius: f64,
+    ) -> Option<(DVec3, DVec3)> {
+        let towards = self.split(end).1.try_normalize()?;
+        let away = self.along.cross(towards);
+        // In the shadow the solid is on the side of the other leg, which is turned by more than half a circle.
+        let side = away * self.split(other).1.dot(away).signum();
+        let (sine, cosine) = self.face(space, towards, side, radius)?.sin_cos();
+        Some((
+            towards * cosine + side * sine,
+            towards * sine - side * cosine,
+        ))
     }
 
     /// The angle in radians from the direction `x` towards `y` at which the circle about the edge enters a solid, up to

@@ -7,12 +7,16 @@
 //!
 //! Only lines of sight are asked for: a string passes no wall, however thin, and needs no list of edges.
 
+use super::profile::Profile;
 use super::space::Space;
+use super::turn::Turn;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Number of half-planes in which strings are sought. A gap narrower than 22.5° as seen from the line can be missed.
-const HALF_PLANES: usize = 16;
+/// Number of half-planes in which strings are sought. A gap narrower than 11.25° as seen from the line can be missed.
+pub(super) const HALF_PLANES: usize = 32;
+/// Angle between neighbouring half-planes in radians.
+pub(super) const STEP: f64 = TAU / HALF_PLANES as f64;
 
 /// First height of a tent, as a share of the distance between its ends.
 const LOWEST: f64 = 0.01;
@@ -27,26 +31,50 @@ const RAISED: f64 = 1.25;
 /// either end, and beyond. They find the way for ends close to a wall, which leaves at a right angle or backwards.
 const FURTHER_FEET: [f64; 4] = [0.0, 1.0, -1.0, 2.0];
 
-/// Error of a tent's height as a share of the distance between its ends, while half-planes are compared.
-const COARSE: f64 = 1e-3;
+/// Error of a tent's height as a share of the distance between its ends, while half-planes are compared: the error of
+/// a string's phase is below 0.01 rad at 8 kHz and 10 m.
+const COARSE: f64 = 1e-5;
 /// Error of a tent's height as a share of the distance between its ends: 1 µm at 100 m.
 const FINE: f64 = 1e-8;
-/// The middle of the solid, and [`FURTHER_FEET`].
-const ALL_FEET: usize = 1 + FURTHER_FEET.len();
 
 /// Contacts nearer to each other than this share of the distance between the ends, times the square root of the error,
 /// are one contact: a leg that dips into a smooth solid by the error is in it for a length that grows with the root.
 const APART: f64 = 0.1;
 
+/// Greatest length of a rounded edge, as a share of the distance to the next edge, that is not resolved by a profile.
+const ROUNDED: f64 = 0.02;
+
 /// Contacts of a string with solids that are followed between its first and its last.
 const MOST_INNER_DEPTH: u32 = 2;
+
+/// A point at which a string touches a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contact {
+    /// Position in world metres, within the error of a tent's height above the solid.
+    pub point: DVec3,
+    /// Whether the string follows a curved surface from here to the next contact.
+    pub is_followed: bool,
+}
+
+impl Contact {
+    /// A contact from which the string goes straight on.
+    pub fn at(point: DVec3) -> Contact {
+        Contact {
+            point,
+            is_followed: false,
+        }
+    }
+}
 
 /// A string from source to listener.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TautString {
-    /// Points in world metres: the source, the contacts with solids, the listener. Contacts lie in the air, within the
-    /// error of a tent's height above the solid.
-    pub points: Vec<DVec3>,
+    /// Source in world metres.
+    pub source: DVec3,
+    /// Contacts with solids.
+    pub contacts: Vec<Contact>,
+    /// Listener in world metres.
+    pub listener: DVec3,
     /// Azimuth of the half-plane about the line from source to listener, in radians.
     pub azimuth: f64,
 }
@@ -54,7 +82,37 @@ pub(super) struct TautString {
 impl TautString {
     /// Length in metres.
     pub fn length_m(&self) -> f64 {
-        length(&self.points)
+        let turns = self.turns();
+        let arcs: f64 = turns.iter().map(|turn| turn.arc_m).sum();
+        let mut from = self.source;
+        let mut straight = 0.0;
+        for turn in &turns {
+            straight += from.distance(turn.entry);
+            from = turn.exit;
+        }
+        straight + arcs + from.distance(self.listener)
+    }
+
+    /// The turns of the string, each at an edge or along a curved surface.
+    pub fn turns(&self) -> Vec<Turn> {
+        let mut turns = Vec::new();
+        let mut first = 0;
+        for (index, contact) in self.contacts.iter().enumerate() {
+            if contact.is_followed && index + 1 < self.contacts.len() {
+                continue;
+            }
+            let before = match first {
+                0 => self.source,
+                _ => self.contacts[first - 1].point,
+            };
+            let after = self.contacts.get(index + 1);
+            let after = after.map_or(self.listener, |next| next.point);
+            let points = self.contacts[first..=index].iter();
+            let points: Vec<DVec3> = points.map(|contact| contact.point).collect();
+            turns.push(Turn::along(before, &points, after));
+            first = index + 1;
+        }
+        turns
     }
 }
 
@@ -87,6 +145,11 @@ impl HalfPlanes {
         })
     }
 
+    /// Distance between the points in metres.
+    pub fn apart_m(&self) -> f64 {
+        self.source.distance(self.listener)
+    }
+
     /// Unit vector from the line into the half-plane of an azimuth.
     pub fn upwards(&self, azimuth: f64) -> DVec3 {
         let turned = DVec2::from_angle(azimuth);
@@ -101,7 +164,7 @@ impl HalfPlanes {
 
     /// The taut string in one half-plane; `None` if no tent up to the greatest height is free.
     pub fn string(&self, space: &impl Space, azimuth: f64) -> Option<TautString> {
-        self.string_within(space, azimuth, FINE, ALL_FEET)
+        self.string_within(space, azimuth, FINE, &FURTHER_FEET)
     }
 
     fn string_within(
@@ -109,7 +172,7 @@ impl HalfPlanes {
         space: &impl Space,
         azimuth: f64,
         error: f64,
-        feet: usize,
+        feet: &[f64],
     ) -> Option<TautString> {
         let plane = Plane {
             space,
@@ -118,36 +181,54 @@ impl HalfPlanes {
             feet,
         };
         let contacts = plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?;
-        let mut points = vec![self.source];
-        points.extend(contacts);
-        points.push(self.listener);
-        Some(TautString { points, azimuth })
+        Some(TautString {
+            source: self.source,
+            contacts,
+            listener: self.listener,
+            azimuth,
+        })
     }
 
-    /// The strings in evenly spread half-planes that are shorter than those in both neighbouring half-planes.
-    pub fn shortest(&self, space: &impl Space) -> Vec<TautString> {
-        let step = TAU / HALF_PLANES as f64;
-        let all = |feet: usize| -> Vec<Option<TautString>> {
+    /// The strings in evenly spread half-planes, from azimuth 0.
+    pub fn strings(&self, space: &impl Space) -> Vec<Option<TautString>> {
+        let all = |feet: &[f64]| -> Vec<Option<TautString>> {
             let strings = (0..HALF_PLANES)
-                .map(|index| self.string_within(space, index as f64 * step, COARSE, feet));
+                .map(|index| self.string_within(space, index as f64 * STEP, COARSE, feet));
             strings.collect()
         };
-        let mut strings = all(1);
+        let mut strings = all(&[]);
         if strings.iter().all(Option::is_none) {
-            strings = all(ALL_FEET);
+            strings = all(&FURTHER_FEET);
         }
-        let length = |index: usize| {
-            let string = &strings[index % HALF_PLANES];
-            string.as_ref().map_or(f64::INFINITY, TautString::length_m)
-        };
-        let is_shortest = |index: &usize| {
-            let own = length(*index);
-            own < length(index + HALF_PLANES - 1) && own <= length(index + 1)
-        };
-        let shortest = (0..HALF_PLANES).filter(is_shortest);
-        shortest
-            .filter_map(|index| strings[index].clone())
-            .collect()
+        self.continue_beside(space, &mut strings);
+        strings
+    }
+
+    /// Seeks strings in half-planes without one from the feet of those beside them.
+    fn continue_beside(&self, space: &impl Space, strings: &mut [Option<TautString>]) {
+        for step in [1, HALF_PLANES - 1] {
+            for start in 0..HALF_PLANES {
+                let mut index = start;
+                while let (Some(known), next) = (&strings[index], (index + step) % HALF_PLANES) {
+                    if strings[next].is_some() {
+                        break;
+                    }
+                    let feet = known
+                        .contacts
+                        .first()
+                        .map(|contact| self.share(contact.point));
+                    let azimuth = next as f64 * STEP;
+                    strings[next] = self.string_within(space, azimuth, COARSE, feet.as_slice());
+                    index = next;
+                }
+            }
+        }
+    }
+
+    /// Place of a point along the line from source to listener, as a share of its length.
+    fn share(&self, point: DVec3) -> f64 {
+        let line = self.listener - self.source;
+        (point - self.source).dot(line) / line.length_squared()
     }
 }
 
@@ -157,13 +238,14 @@ struct Plane<'a, S> {
     up: DVec3,
     /// Error of a tent's height, as a share of the distance between its ends.
     error: f64,
-    /// Number of feet of tents that are tried.
-    feet: usize,
+    /// Feet of tents that are tried where no tent over the middle of the solid is free, as shares of the distance between
+    /// its ends.
+    feet: &'a [f64],
 }
 
 impl<S: Space> Plane<'_, S> {
     /// The contacts of the taut string from `a` to `b`, without its ends; empty if no solid is in the way.
-    fn contacts(&self, a: DVec3, b: DVec3, depth: u32) -> Option<Vec<DVec3>> {
+    fn contacts(&self, a: DVec3, b: DVec3, depth: u32) -> Option<Vec<Contact>> {
         let Some(at) = self.space.between(a, b) else {
             return Some(Vec::new());
         };
@@ -177,43 +259,54 @@ impl<S: Space> Plane<'_, S> {
             let apex = apex(foot, height);
             self.space.is_free(a, apex) && self.space.is_free(b, apex)
         };
-        let feet = [middle].into_iter().chain(FURTHER_FEET);
+        let mut feet = [middle].into_iter().chain(self.feet.iter().copied());
         let first = |foot: f64| Some((foot, first_free(|height| is_free(foot, height))?));
-        let (foot, (blocked, free)) = feet.take(self.feet).find_map(first)?;
+        let (foot, (blocked, free)) = feet.find_map(first)?;
         let is_free = |height: f64| is_free(foot, height);
         let apex = |height: f64| apex(foot, height);
         let (blocked, free) = bisect(blocked, free, self.error, is_free);
         let (low, top) = (apex(blocked), apex(free));
-        let found = match self.space.between(a, low) {
+        let mut lowered = match self.space.between(a, low) {
             Some(_) => self.lowered(a, low, top, b),
-            None => {
-                let mut found = self.lowered(b, low, top, a);
-                found.reverse();
-                found
-            }
+            None => self.lowered(b, low, top, a).reversed(),
         };
-        let [first, last] = found[..] else {
-            return Some(found);
+        let [first, last] = lowered.contacts[..] else {
+            return Some(lowered.contacts.into_iter().map(Contact::at).collect());
         };
-        if depth == 0 {
-            return Some(found);
-        }
         // The line between the contacts lies on the solid: it is lifted by the error of the contacts.
         let lift = up * (4.0 * self.error * length);
+        let profile = Profile::cast(
+            self.space,
+            [first + lift, lowered.apex + lift, last + lift],
+            up,
+        );
+        if let Some(contacts) = profile.and_then(|profile| profile.followed([first, last])) {
+            return Some(contacts);
+        }
+        if depth == 0 {
+            return Some(lowered.contacts.drain(..).map(Contact::at).collect());
+        }
         let inner = self.contacts(first + lift, last + lift, depth - 1);
-        let inner = inner.unwrap_or_default();
-        Some([first].into_iter().chain(inner).chain([last]).collect())
+        let mut found = vec![Contact::at(first)];
+        found.extend(inner.unwrap_or_default());
+        found.push(Contact::at(last));
+        follow_ends(&mut found);
+        Some(found)
     }
 
     /// The contacts of the string from `a`, whose leg to `top` is free but whose leg to `low` is not, to `b`: the apex
     /// is lowered along the leg from `a` until the leg to `b` touches too, or until it reaches the contact.
-    fn lowered(&self, a: DVec3, low: DVec3, top: DVec3, b: DVec3) -> Vec<DVec3> {
+    fn lowered(&self, a: DVec3, low: DVec3, top: DVec3, b: DVec3) -> Lowered {
         let length = a.distance(top);
         let contact = self.contact(a, low) * length / a.distance(low).max(f64::MIN_POSITIVE);
         let at = |metres: f64| a + (top - a) * (metres / length);
         let is_free = |metres: f64| self.space.is_free(b, at(metres));
+        let single = Lowered {
+            contacts: vec![at(contact)],
+            apex: at(contact),
+        };
         if is_free(contact) {
-            return vec![at(contact)];
+            return single;
         }
         let error = self.error * a.distance(b);
         let (blocked, free) = bisect(contact, length, error, is_free);
@@ -221,8 +314,11 @@ impl<S: Space> Plane<'_, S> {
         let other = self.contact(b, low) * b.distance(top) / b.distance(low).max(f64::MIN_POSITIVE);
         let other = b + (top - b).normalize_or_zero() * other;
         match at(contact).distance(other) < APART * self.error.sqrt() * a.distance(b) {
-            true => vec![at(contact)],
-            false => vec![at(contact), other],
+            true => single,
+            false => Lowered {
+                contacts: vec![at(contact), other],
+                apex: top,
+            },
         }
     }
 
@@ -235,6 +331,34 @@ impl<S: Space> Plane<'_, S> {
         let far = self.space.between(end, a);
         let far = far.map_or(near.metres, |far| length - far.metres);
         0.5 * (near.metres + far.max(near.metres))
+    }
+}
+
+/// A tent that touches the solid with both legs.
+struct Lowered {
+    /// The points at which the legs touch: one if both touch at the same edge.
+    contacts: Vec<DVec3>,
+    /// The point at which the legs meet.
+    apex: DVec3,
+}
+
+impl Lowered {
+    fn reversed(mut self) -> Lowered {
+        self.contacts.reverse();
+        self
+    }
+}
+
+/// Lets the string follow the surface next to its first and last contact if another contact is much nearer to them than
+/// they are to each other: both lie on one rounded edge.
+fn follow_ends(contacts: &mut [Contact]) {
+    let Some(last) = contacts.len().checked_sub(1).filter(|last| *last >= 2) else {
+        return;
+    };
+    let near = ROUNDED * contacts[0].point.distance(contacts[last].point);
+    for index in [0, last - 1] {
+        let apart = contacts[index].point.distance(contacts[index + 1].point);
+        contacts[index].is_followed |= apart < near;
     }
 }
 

@@ -1,0 +1,522 @@
+//! A way around an obstacle: a taut string that is stationary over its edges, and the pressure at its end.
+
+use super::brink::Brink;
+use super::edge::{Edge, Side, shorten};
+use super::round::Arc;
+use super::space::Space;
+use super::string::{self, HalfPlanes, TautString};
+use super::turn::Turn;
+use super::wedge::{Wedge, shadow_function};
+use glam::DVec3;
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Turn of the half-plane in radians over which the direction of an edge is measured.
+const TURN: f64 = 0.01;
+
+/// Searches for the stationary way over the edges of a string: one is enough for straight edges.
+const MOST_SEARCHES: usize = 4;
+
+/// Distance from the surface, as a share of the path's length, up to which a point counts as on it.
+const ON_SURFACE: f64 = 1e-5;
+
+/// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
+const MOST_OF_LEG: f64 = 0.7;
+
+/// Radius of curvature, as a share of the distance at which faces are perceived, up to which a rounding is an edge, and
+/// from which creeping waves follow it.
+const SMALL: [f64; 2] = [0.25, 1.0];
+
+/// Growth of the angle between the faces over a doubled distance, as a share of the angle by which they turn, up to which
+/// a rounding is an edge, and from which creeping waves follow it: 0 at an edge, a half on a ball.
+const FLAT: [f64; 2] = [0.1, 0.3];
+
+/// Distance between two edges, times the wave number, at which they count half as two.
+const THIN: f64 = 1.0;
+
+/// Distance over which the curvature across the way is measured, as a share of the radius along it.
+const ACROSS: f64 = 0.03;
+
+/// A way over edges and along curved surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Bend {
+    /// Source, the apexes of the turns, listener.
+    pub points: Vec<DVec3>,
+    /// Azimuth of the half-plane in radians.
+    pub azimuth: f64,
+    /// Length in metres.
+    pub length_m: f64,
+    /// One turn for each apex.
+    pub turns: Vec<Turn>,
+    /// The line of the edge, or the direction in which a round body goes on, for each turn.
+    pub edges: Vec<Edge>,
+    /// The ends of the faces along which the string arrives at its first edge and leaves its last.
+    brinks: [Option<Brink>; 2],
+}
+
+impl Bend {
+    /// Moves the turns of a string to the stationary way.
+    pub fn of(space: &impl Space, planes: &HalfPlanes, mut azimuth: f64) -> Option<Bend> {
+        let mut last = None;
+        for _ in 0..MOST_SEARCHES {
+            let string = planes.string(space, azimuth)?;
+            let bend = Bend::in_half_plane(space, planes, &string)?;
+            let mut points = bend.points.clone();
+            shorten(&mut points, &bend.edges);
+            let moved = planes.azimuth_of(points[1]);
+            if bend.is_sharp() {
+                let bend = bend.moved_to(points);
+                if bend.is_on_solid(space) {
+                    return Some(bend);
+                }
+            } else if (moved - azimuth).sin().abs() < ON_SURFACE {
+                return Some(bend);
+            }
+            // The edge is curved or ends: the search goes on where the straight one had its shortest way.
+            azimuth = moved;
+            let is_shorter = |best: &Bend| string::length(&best.points) <= string.length_m();
+            if !last.as_ref().is_some_and(is_shorter) {
+                last = Bend::in_half_plane(space, planes, &string);
+            }
+        }
+        // The way round a corner, which is not stationary along either edge.
+        last
+    }
+
+    /// A string and the lines of its edges, from the string in a half-plane next to its own.
+    fn in_half_plane(space: &impl Space, planes: &HalfPlanes, string: &TautString) -> Option<Bend> {
+        let turns = string.turns();
+        let beside = |turn: f64| {
+            let other = planes.string(space, string.azimuth + turn)?.turns();
+            (other.len() == turns.len()).then_some(other)
+        };
+        let other = [TURN, -TURN].into_iter().find_map(beside)?;
+        let edge = |(turn, other): (&Turn, &Turn)| {
+            Some(Edge {
+                point: turn.apex,
+                along: (other.apex - turn.apex).try_normalize()?,
+            })
+        };
+        let edges = turns
+            .iter()
+            .zip(&other)
+            .map(edge)
+            .collect::<Option<Vec<Edge>>>()?;
+        let apexes = turns.iter().map(|turn| turn.apex);
+        Some(Bend {
+            points: [string.source]
+                .into_iter()
+                .chain(apexes)
+                .chain([string.listener])
+                .collect(),
+            azimuth: string.azimuth,
+            length_m: string.length_m(),
+            turns,
+            edges,
+            brinks: [None; 2],
+        })
+    }
+
+    /// The same edges, met at other points.
+    fn moved_to(mut self, points: Vec<DVec3>) -> Bend {
+        for (index, turn) in self.turns.iter_mut().enumerate() {
+            let at = [points[index], points[index + 1], points[index + 2]];
+            *turn = Turn::along(at[0], &[at[1]], at[2]);
+            self.edges[index].point = at[1];
+        }
+        self.length_m = string::length(&points);
+        self.points = points;
+        self
+    }
+
+    /// Whether all turns are at edges.
+    fn is_sharp(&self) -> bool {
+        self.turns.iter().all(|turn| turn.arc_m == 0.0)
+    }
+
+    /// Whether all edges lie on surfaces, and nothing is in the way.
+    fn is_on_solid(&self, space: &impl Space) -> bool {
+        let error = ON_SURFACE * self.length_m;
+        self.turns
+            .iter()
+            .all(|turn| space.distance(turn.apex).abs() <= error)
+            && self.is_free(space, error)
+    }
+
+    /// Whether the legs are free, if each contact is lifted off the solid by `lift` metres.
+    fn is_free(&self, space: &impl Space, lift: f64) -> bool {
+        let last = self.points.len() - 1;
+        let lifted = |index: usize| {
+            let point = self.points[index];
+            if index == 0 || index == last {
+                return point;
+            }
+            let outwards = (point - self.points[index - 1]).normalize_or_zero()
+                + (point - self.points[index + 1]).normalize_or_zero();
+            point + outwards.normalize_or_zero() * lift
+        };
+        (0..last).all(|index| space.is_free(lifted(index), lifted(index + 1)))
+    }
+
+    /// Whether two ways turn at the same points.
+    pub fn is_same(&self, other: &Bend) -> bool {
+        let near = ON_SURFACE.sqrt() * self.length_m;
+        let pairs = self.turns.iter().zip(&other.turns);
+        self.turns.len() == other.turns.len()
+            && pairs
+                .into_iter()
+                .all(|(a, b)| a.middle.distance(b.middle) < near)
+    }
+
+    /// Pressure at the listener for the wave number `k`, relative to that of the source in the open at the way's length,
+    /// without the focus of curved edges. `faces` are the pressure reflection coefficients at the turns.
+    pub fn pressure(&self, space: &impl Space, k: f64, faces: &[f64]) -> Option<Complex64> {
+        let product = self.product(space, k, faces)?;
+        let widths = self.brinks.iter().flatten().map(|brink| brink.width_m);
+        let Some(width_m) = widths.min_by(f64::total_cmp) else {
+            return Some(product);
+        };
+        let whole = Bend {
+            brinks: [None; 2],
+            ..self.clone()
+        };
+        let whole = whole.product(space, k, faces)?;
+        let factors = [0, 1].map(|side| self.brink_factor(space, side, k, faces));
+        Some(both(product * factors[0] * factors[1], whole, k * width_m))
+    }
+
+    /// The factor by the end of a face before the first turn, or after the last.
+    fn brink_factor(&self, space: &impl Space, side: usize, k: f64, faces: &[f64]) -> Complex64 {
+        let Some(brink) = self.brinks[side] else {
+            return Complex64::ONE;
+        };
+        let last = self.points.len() - 1;
+        let (start, end, face) = match side {
+            0 => (self.points[1], self.points[0], faces[0]),
+            _ => (
+                self.points[last - 1],
+                self.points[last],
+                faces[faces.len() - 1],
+            ),
+        };
+        let after = start.distance(end);
+        let before = self.length_m - after;
+        let width = brink.width_m;
+        // As for two edges of the string.
+        let near = width * self.length_m / ((before + width) * after);
+        let factor = brink.factor(space, (start, before), end, k * near.min(1.0), face);
+        factor.unwrap_or(Complex64::ONE)
+    }
+
+    /// Finds the ends of the faces beside the first and the last leg.
+    pub fn with_brinks(mut self, space: &impl Space) -> Bend {
+        let last = self.points.len() - 1;
+        let is_edge = |index: usize| self.turns[index].arc_m == 0.0;
+        let before = is_edge(0)
+            .then(|| Brink::beside(space, &self.edges[0], self.points[2], self.points[0]));
+        let after = is_edge(last - 2).then(|| {
+            Brink::beside(
+                space,
+                &self.edges[last - 2],
+                self.points[last - 2],
+                self.points[last],
+            )
+        });
+        self.brinks = [before.flatten(), after.flatten()];
+        self
+    }
+
+    fn product(&self, space: &impl Space, k: f64, faces: &[f64]) -> Option<Complex64> {
+        let (mut product, mut last) = self.turn_pressure(space, 0, k, faces[0])?;
+        for index in 1..faces.len() {
+            // Pierce 1974, equation 26: between two turns the front has spread less than over the whole way.
+            let (single, is_edge) = self.turn_pressure(space, index, k, faces[index])?;
+            let near = k * self.nearness(index);
+            let spread = match product.norm() < single.norm() {
+                true => product * self.turn_pressure(space, index, near, faces[index])?.0,
+                false => single * self.product_until(space, index, near, faces)?,
+            };
+            // On a face between two edges sound and its reflection are one.
+            let apart = spread
+                * if last {
+                    1.0 / (1.0 + faces[index])
+                } else {
+                    1.0
+                };
+            let merged = (last && is_edge).then(|| self.merged(space, index, k, faces[index]));
+            product = match merged.flatten() {
+                Some(merged) => both(apart, merged, k * self.between_m(index)),
+                None => apart,
+            };
+            last = is_edge;
+        }
+        Some(product)
+    }
+
+    fn product_until(
+        &self,
+        space: &impl Space,
+        index: usize,
+        k: f64,
+        faces: &[f64],
+    ) -> Option<Complex64> {
+        let mut product = Complex64::ONE;
+        for before in 0..index {
+            product *= self.turn_pressure(space, before, k, faces[before])?.0;
+        }
+        Some(product)
+    }
+
+    /// Distance in metres between a turn and the one before it.
+    fn between_m(&self, index: usize) -> f64 {
+        self.turns[index - 1].exit.distance(self.turns[index].entry)
+    }
+
+    /// Pressure by a turn and the one before it, as by one edge where the legs before and after them meet: they are one
+    /// to sound of a long wavelength.
+    fn merged(&self, space: &impl Space, index: usize, k: f64, face: f64) -> Option<Complex64> {
+        let (first, second) = (&self.turns[index - 1], &self.turns[index]);
+        let before = self.points[index - 1];
+        let after = self.points[index + 2];
+        let turn = Turn::along(before, &[first.entry, second.exit], after);
+        let mut points = self.points[..index].to_vec();
+        points.push(turn.apex);
+        points.extend(&self.points[index + 2..]);
+        let along = (self.edges[index - 1].along
+            + self.edges[index].along
+                * self.edges[index]
+                    .along
+                    .dot(self.edges[index - 1].along)
+                    .signum())
+        .try_normalize()?;
+        let merged = Bend {
+            length_m: string::length(&points),
+            edges: [
+                &self.edges[..index - 1],
+                &[Edge {
+                    point: turn.apex,
+                    along,
+                }],
+                &self.edges[index + 1..],
+            ]
+            .concat(),
+            turns: [
+                &self.turns[..index - 1],
+                &[Turn { arc_m: 0.0, ..turn }],
+                &self.turns[index + 1..],
+            ]
+            .concat(),
+            points,
+            azimuth: self.azimuth,
+            brinks: [None; 2],
+        };
+        let wedge = merged.wedge(space, index - 1, k, 1.0)?;
+        let (length, apart) = (wedge.length_m(), wedge.apart_m());
+        let phase = Complex64::cis(-k * (length - apart));
+        Some(wedge.diffracted(k).sum([face; 2]) * phase * (length / apart))
+    }
+
+    /// w L / ((a + w) (w + b)) for two turns w apart on a way of length L, with a before them and b after them: 1 if
+    /// they are far from both ends.
+    fn nearness(&self, index: usize) -> f64 {
+        let before = self.before_m(index - 1);
+        let between = self.between_m(index);
+        let after = self.length_m - self.before_m(index);
+        between * self.length_m / ((before + between) * (between + after))
+    }
+
+    /// Pressure at the listener for the wave number `k` by one turn, relative to the open at the way's length, and whether
+    /// it is an edge.
+    fn turn_pressure(
+        &self,
+        space: &impl Space,
+        index: usize,
+        k: f64,
+        face: f64,
+    ) -> Option<(Complex64, bool)> {
+        let round = self.roundness(space, index, k);
+        let mut factor = Complex64::ZERO;
+        if round > 0.0 {
+            factor += round * 0.5 * (1.0 + face) * self.arc(index).pressure(k);
+        }
+        if round < 1.0 {
+            let edge = match self.wedge(space, index, k, 1.0) {
+                Some(wedge) => {
+                    let (length, apart) = (wedge.length_m(), wedge.apart_m());
+                    let phase = Complex64::cis(-k * (length - apart));
+                    wedge.diffracted(k).sum([face; 2]) * phase * (length / apart)
+                }
+                // A body that is smaller than the zone has no faces there.
+                None => 0.5 * shadow_function(self.arc(index).argument(k)),
+            };
+            factor += (1.0 - round) * edge;
+        }
+        Some((factor, round < 0.5))
+    }
+
+    /// How much a turn is round to sound of the wave number `k`, from 0 at an edge to 1: the angle between the faces of
+    /// an edge does not depend on the distance at which they are measured.
+    fn roundness(&self, space: &impl Space, index: usize, k: f64) -> f64 {
+        let radius_m = self.turns[index].radius_m();
+        if radius_m == 0.0 {
+            return 0.0;
+        }
+        let small = 1.0 - smooth(radius_m / self.face_m(index, k), SMALL);
+        if small == 0.0 {
+            return 1.0;
+        }
+        let solid = |share: f64| Some(self.wedge(space, index, k, share)?.air_angle - PI);
+        let (Some(near), Some(far)) = (solid(0.5), solid(1.0)) else {
+            return 1.0;
+        };
+        let growth = (far - near).abs() / far.max(f64::MIN_POSITIVE);
+        1.0 - small * (1.0 - smooth(growth, FLAT))
+    }
+
+    /// Distance in metres from a turn at which sound of the wave number `k` perceives its faces: half a Fresnel zone.
+    fn face_m(&self, index: usize, k: f64) -> f64 {
+        let contact = index + 1;
+        let before = string::length(&self.points[..=contact]);
+        let after = string::length(&self.points[contact..]);
+        let zone = 0.5 * (TAU / k * before * after / (before + after)).sqrt();
+        let legs = [contact - 1, contact + 1];
+        let legs = legs.map(|other| self.points[other].distance(self.points[contact]));
+        let mut nearest = legs[0].min(legs[1]);
+        for (brink, at) in self.brinks.iter().zip([0, self.turns.len() - 1]) {
+            if let Some(brink) = brink.filter(|_| at == index) {
+                nearest = nearest.min(brink.width_m);
+            }
+        }
+        zone.min(MOST_OF_LEG * nearest)
+    }
+
+    /// How much the roundest turn is round to sound of the wave number `k`.
+    pub fn most_round(&self, space: &impl Space, k: f64) -> f64 {
+        let turns = 0..self.turns.len();
+        let roundness = |index: usize| self.roundness(space, index, k);
+        turns.map(roundness).fold(0.0, f64::max)
+    }
+
+    /// The way along the surface of a turn.
+    pub fn arc(&self, index: usize) -> Arc {
+        let turn = &self.turns[index];
+        let before_m = self.before_m(index);
+        Arc {
+            before_m,
+            after_m: self.length_m - before_m - turn.arc_m,
+            arc_m: turn.arc_m,
+            angle: turn.angle,
+            creeping: turn.creeping,
+        }
+    }
+
+    /// Length in metres from the source to the entry of a turn.
+    fn before_m(&self, index: usize) -> f64 {
+        let mut from = self.points[0];
+        let mut sum = 0.0;
+        for turn in &self.turns[..index] {
+            sum += from.distance(turn.entry) + turn.arc_m;
+            from = turn.exit;
+        }
+        sum + from.distance(self.turns[index].entry)
+    }
+
+    /// Curvature across the way, in 1/m, of the surface at a turn: 0 on a cylinder.
+    pub fn across(&self, space: &impl Space, index: usize) -> f64 {
+        let turn = &self.turns[index];
+        let step = ACROSS * turn.radius_m();
+        if step == 0.0 {
+            return 0.0;
+        }
+        let along = self.edges[index].along;
+        let outwards = (turn.apex - turn.middle).normalize_or(turn.middle - self.points[0]);
+        let at = |offset: DVec3| space.distance(turn.middle + offset);
+        let slope = (at(outwards * step) - at(-outwards * step)) / (2.0 * step);
+        let second = (at(along * step) + at(-along * step) - 2.0 * at(DVec3::ZERO)) / (step * step);
+        (second / slope.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0 / step)
+    }
+
+    /// The wedge at a turn: its legs are as long as the string on either side, in the directions of the neighbouring
+    /// turns. Its faces are measured at `share` of half a Fresnel zone.
+    fn wedge(&self, space: &impl Space, index: usize, k: f64, share: f64) -> Option<Wedge> {
+        let (contact, edge) = (index + 1, &self.edges[index]);
+        let before = string::length(&self.points[..=contact]);
+        let after = string::length(&self.points[contact..]);
+        let end = |neighbour: usize, length: f64| {
+            let towards = (self.points[neighbour] - edge.point).try_normalize()?;
+            Some(edge.point + towards * length)
+        };
+        let ends = [end(contact - 1, before)?, end(contact + 1, after)?];
+        edge.wedge(space, ends, Side::Hidden, share * self.face_m(index, k))
+    }
+
+    /// Length in metres of the way over the lines of the same edges in the half-plane of an azimuth; `None` if it does
+    /// not cross them.
+    pub fn length_over_lines(&self, planes: &HalfPlanes, azimuth: f64) -> Option<f64> {
+        let points = self.points_on_lines(planes, azimuth)?;
+        Some(string::length(&points) - string::length(&self.points) + self.length_m)
+    }
+
+    /// Whether the way over the lines of the edges lies on them, and is free, in the half-plane of an azimuth.
+    pub fn is_free_over_lines(
+        &self,
+        space: &impl Space,
+        planes: &HalfPlanes,
+        azimuth: f64,
+    ) -> bool {
+        let Some(points) = self
+            .points_on_lines(planes, azimuth)
+            .filter(|_| self.is_sharp())
+        else {
+            return false;
+        };
+        let moved = self.clone().moved_to(points);
+        moved.is_on_solid(space)
+    }
+
+    /// Source, the points on the lines of the edges in the half-plane of an azimuth, listener.
+    fn points_on_lines(&self, planes: &HalfPlanes, azimuth: f64) -> Option<Vec<DVec3>> {
+        let (up, normal) = (
+            planes.upwards(azimuth),
+            planes.upwards(azimuth + 0.25 * TAU),
+        );
+        let last = self.points.len() - 1;
+        let mut points = vec![self.points[0]];
+        for edge in &self.edges {
+            let from = edge.point - self.points[0];
+            let steep = edge.along.dot(normal);
+            if steep.abs() < f64::EPSILON {
+                return None;
+            }
+            let point = edge.point - edge.along * (from.dot(normal) / steep);
+            if (point - self.points[0]).dot(up) <= 0.0 {
+                return None;
+            }
+            points.push(point);
+        }
+        points.push(self.points[last]);
+        Some(points)
+    }
+}
+
+/// The pressure behind two edges, from that of both one after the other and that of a single edge in their place. `width`
+/// is their distance times the wave number.
+///
+/// The pressure is below both: it is the fourth root of the mean of fourth powers of the inverses. The boundary-element
+/// values of `tests/diffraction` for bars, 0.2 < kw < 70, lie within 1 dB of it; the single values are up to 2.5 dB above.
+fn both(apart: Complex64, merged: Complex64, width: f64) -> Complex64 {
+    let wide = width / (width + THIN);
+    let inverse = |pressure: Complex64| pressure.norm_sqr().max(f64::MIN_POSITIVE).powi(-3);
+    let size = (inverse(merged) + wide * inverse(apart)).powf(-1.0 / 6.0);
+    let direction = apart * wide + merged * (1.0 - wide);
+    match direction.norm() > 0.0 {
+        true => direction * (size / direction.norm()),
+        false => merged,
+    }
+}
+
+/// A smooth step from 0 to 1.
+fn smooth(x: f64, [from, to]: [f64; 2]) -> f64 {
+    let share = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
+}

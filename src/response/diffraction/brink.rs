@@ -1,0 +1,85 @@
+//! Edges that a string passes at a small distance: the far ends of the faces along which it leaves its first and last edge.
+//!
+//! A string over a thick obstacle touches one edge only if source or listener are high enough to see the other. The end
+//! of the face between both still diffracts: at the boundary of its shadow it halves the pressure.
+
+use super::edge::{Edge, Side};
+use super::space::Space;
+use glam::DVec3;
+use num_complex::Complex64;
+
+/// Distance from the edge at which the search for the end of a face begins, as a share of the leg.
+const FIRST: f64 = 0.02;
+/// Factor between distances that are tried.
+const LONGER: f64 = 1.15;
+/// Distance from the face, as a share of the distance from the edge, beyond which a point counts as past its end.
+const PAST: f64 = 0.01;
+/// Steps in search of the end between two distances: its error is below a thousandth.
+const HALVINGS: usize = 8;
+
+/// The far end of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Brink {
+    /// The line of the end, parallel to the edge at which the face begins.
+    edge: Edge,
+    /// Unit vector out of the solid at the face.
+    outwards: DVec3,
+    /// Width of the face in metres.
+    pub width_m: f64,
+}
+
+impl Brink {
+    /// The end of the face of `edge` next to the leg that leads to `end`; `None` if the face is longer than the leg.
+    pub fn beside(space: &impl Space, edge: &Edge, other: DVec3, end: DVec3) -> Option<Brink> {
+        let leg_m = edge.point.distance(end);
+        let (along_face, outwards) = edge.face_beside(space, [end, other], FIRST * leg_m)?;
+        let is_past =
+            |metres: f64| space.distance(edge.point + along_face * metres) > PAST * metres;
+        let mut from = FIRST * leg_m;
+        if is_past(from) {
+            return None;
+        }
+        let mut to = from * LONGER;
+        while !is_past(to) {
+            from = to;
+            to *= LONGER;
+            if to > leg_m {
+                return None;
+            }
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (from + to);
+            match is_past(middle) {
+                true => to = middle,
+                false => from = middle,
+            }
+        }
+        // A point past the end is as far from it as it may be from the face.
+        let width_m = from / (1.0 + PAST);
+        let point = edge.point + along_face * width_m;
+        Some(Brink {
+            edge: Edge { point, ..*edge },
+            outwards,
+            width_m,
+        })
+    }
+
+    /// The factor of the pressure at `end` for the wave number `k`, relative to an endless face. `before_m` is the length
+    /// of the way up to the edge at `start`, and `radius` the distance at which faces are sought.
+    pub fn factor(
+        &self,
+        space: &impl Space,
+        (start, before_m): (DVec3, f64),
+        end: DVec3,
+        k: f64,
+        face: f64,
+    ) -> Option<Complex64> {
+        let towards = (start - self.edge.point).try_normalize()?;
+        let ends = [self.edge.point + towards * (before_m + self.width_m), end];
+        let radius = 0.5 * self.width_m.min(self.edge.point.distance(end));
+        let wedge = self
+            .edge
+            .wedge(space, ends, Side::Air(self.outwards), radius)?;
+        Some(1.0 + wedge.diffracted(k).sum([face; 2]) / (1.0 + face))
+    }
+}

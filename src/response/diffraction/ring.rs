@@ -1,0 +1,227 @@
+//! The sum over all half-planes around the line from source to listener.
+//!
+//! # Theory
+//! The field behind an obstacle is a sum over the half-planes through the line from source to listener: each contributes
+//! the phase of its string. For a straight thin edge at right angles to the line, with a detour δ₀, the detour in the
+//! half-plane that is turned by φ is δ₀/cos²φ, and
+//!
+//! ```text
+//! 1/2π ∫ exp(ikδ₀/cos²φ) dφ = ½ e^{ikδ₀} W(√(kδ₀)),
+//! ```
+//!
+//! which is Fresnel's diffraction at that edge. The detours of a scene also contain the ends of edges, their curvature,
+//! and the focus behind a ball, where all half-planes contribute the same phase.
+//!
+//! # Numbers
+//! Detours are interpolated by cubic polynomials between half-planes; on each part of an interval the phase is linear,
+//! and its integral exact.
+
+use super::string::{HALF_PLANES, STEP};
+use super::wedge::shadow_function;
+use num_complex::Complex64;
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+
+/// Parts of the interval between half-planes on which the phase is linear.
+const PARTS: usize = 12;
+
+/// Detours in metres in half-planes all around a line, from azimuth 0; `None` where no string leads around.
+pub(super) type Detours = [Option<f64>; HALF_PLANES];
+
+/// Half-planes around a local shortest string.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Basin {
+    /// Index of the half-plane with the shortest string.
+    pub shortest: usize,
+    /// Number of half-planes before it and after it in which strings become longer.
+    before: usize,
+    after: usize,
+}
+
+impl Basin {
+    /// The basins of detours.
+    pub fn all(detours: &Detours) -> Vec<Basin> {
+        let at = |index: usize| detours[index % HALF_PLANES].unwrap_or(f64::INFINITY);
+        let shortest = (0..HALF_PLANES).filter(|index| {
+            let own = at(*index);
+            own < at(index + HALF_PLANES - 1) && own <= at(index + 1)
+        });
+        let mut basins: Vec<Basin> = shortest.map(|index| Basin::of(detours, index)).collect();
+        if basins.is_empty() && detours[0].is_some() {
+            // All strings are equally long: the axis of a body of revolution.
+            basins.push(Basin {
+                shortest: 0,
+                before: HALF_PLANES / 2,
+                after: HALF_PLANES / 2,
+            });
+        }
+        basins
+    }
+
+    fn of(detours: &Detours, shortest: usize) -> Basin {
+        let at = |index: usize| detours[index % HALF_PLANES];
+        let rises = |from: usize, to: usize| match (at(from), at(to)) {
+            (Some(from), Some(to)) => to >= from,
+            _ => false,
+        };
+        let after = (0..HALF_PLANES)
+            .take_while(|steps| rises(shortest + steps, shortest + steps + 1))
+            .count();
+        let back = |steps: usize| shortest + 2 * HALF_PLANES - steps;
+        let before = (0..HALF_PLANES - after.min(HALF_PLANES))
+            .take_while(|steps| rises(back(*steps), back(steps + 1)))
+            .count();
+        Basin {
+            shortest,
+            before,
+            after,
+        }
+    }
+
+    /// Angle between the shortest half-plane and an azimuth in radians, in steps of half-planes.
+    pub fn turns_from(&self, azimuth: f64) -> f64 {
+        let turns = azimuth / STEP - self.shortest as f64;
+        let whole = HALF_PLANES as f64;
+        (turns - whole * (turns / whole).round()).abs()
+    }
+
+    /// The opposite half-plane.
+    pub fn opposite(&self) -> usize {
+        (self.shortest + HALF_PLANES / 2) % HALF_PLANES
+    }
+
+    /// The part of the sum that the half-planes of the basin contribute.
+    pub fn samples(&self, detours: &Detours) -> Samples {
+        let first = self.shortest + HALF_PLANES - self.before;
+        let last = self.shortest + HALF_PLANES + self.after;
+        let at = |index: usize| detours[index % HALF_PLANES];
+        let is_endless = [first + HALF_PLANES - 1, last + 1].map(|next| at(next).is_none());
+        Samples::interpolated(first, (first..=last).map(at).collect(), is_endless)
+    }
+}
+
+/// The detours of all half-planes that have one.
+pub(super) fn all_samples(detours: &Detours) -> Vec<Samples> {
+    Basin::all(detours)
+        .iter()
+        .map(|basin| basin.samples(detours))
+        .collect()
+}
+
+/// Interpolated detours in neighbouring half-planes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Samples {
+    /// Index of the first half-plane.
+    first: usize,
+    /// Detours in metres, [`PARTS`] for each interval between half-planes.
+    detours: Vec<f64>,
+    /// Angles in radians before the first and after the last within which the detours grow without bounds: 0 if they do
+    /// not.
+    ends: [f64; 2],
+}
+
+impl Samples {
+    fn interpolated(first: usize, nodes: Vec<Option<f64>>, is_endless: [bool; 2]) -> Samples {
+        // 1/√δ is a cosine for a straight edge.
+        let inverse = |detour: f64| 1.0 / detour.max(LEAST_DETOUR_M).sqrt();
+        let nodes: Vec<f64> = nodes.into_iter().flatten().map(inverse).collect();
+        let last = nodes.len() - 1;
+        let slope = |index: usize| match index {
+            _ if last == 0 => 0.0,
+            0 => end_slope(is_endless[0], [nodes[0], nodes[1]], nodes.get(2)),
+            _ if index == last => {
+                let further = last.checked_sub(2).map(|further| &nodes[further]);
+                -end_slope(is_endless[1], [nodes[last], nodes[last - 1]], further)
+            }
+            _ => 0.5 * (nodes[index + 1] - nodes[index - 1]),
+        };
+        let mut detours = Vec::with_capacity(last * PARTS + 1);
+        let mut add = |inverse: f64| detours.push(1.0 / (inverse * inverse).max(f64::MIN_POSITIVE));
+        for index in 0..last {
+            for part in 0..PARTS {
+                let t = part as f64 / PARTS as f64;
+                let ends = [nodes[index], nodes[index + 1]];
+                add(hermite(ends, [slope(index), slope(index + 1)], t));
+            }
+        }
+        add(nodes[last]);
+        let end = |is_endless: bool, node: f64, fall: f64| match is_endless && fall > 0.0 {
+            true => STEP * (node / fall).min(1.0),
+            false => 0.0,
+        };
+        Samples {
+            first,
+            detours,
+            ends: [
+                end(is_endless[0], nodes[0], slope(0)),
+                end(is_endless[1], nodes[last], -slope(last)),
+            ],
+        }
+    }
+
+    /// The integral of exp(ikδ) over the half-planes, divided by 2π.
+    pub fn sum(&self, k: f64) -> Complex64 {
+        self.weighted_sum(k, |_| Complex64::ONE)
+    }
+
+    /// The integral of exp(ikδ), times a factor that changes from half-plane to half-plane, divided by 2π. `factor`
+    /// takes the index of the half-plane.
+    pub fn weighted_sum(&self, k: f64, factor: impl Fn(usize) -> Complex64) -> Complex64 {
+        let width = STEP / PARTS as f64;
+        let count = (self.detours.len() - 1) / PARTS;
+        let factors: Vec<Complex64> = (0..=count)
+            .map(|index| factor((self.first + index) % HALF_PLANES))
+            .collect();
+        let at = |index: usize| {
+            let share = ((index % PARTS) as f64 + 0.5) / PARTS as f64;
+            let ends = [factors[index / PARTS], factors[index / PARTS + 1]];
+            ends[0] * (1.0 - share) + ends[1] * share
+        };
+        let intervals = self.detours.windows(2).enumerate().map(|(index, ends)| {
+            let half = 0.5 * k * (ends[1] - ends[0]);
+            Complex64::cis(0.5 * k * (ends[0] + ends[1])) * at(index) * (width * sinc(half))
+        });
+        let within: Complex64 = intervals.sum();
+        let last = self.detours.len() - 1;
+        let [before, after] = self.ends;
+        let before = factors[0] * before * tail(k * self.detours[0]);
+        let after = factors[count] * after * tail(k * self.detours[last]);
+        (within + before + after) / TAU
+    }
+}
+
+/// Least detour in metres: its phase is below 1e-7 rad.
+const LEAST_DETOUR_M: f64 = 1e-10;
+
+/// The integral of exp(iy/u²) over u from 0 to 1.
+fn tail(y: f64) -> Complex64 {
+    let root = y.sqrt();
+    let shadow = Complex64::cis(-FRAC_PI_4) * (PI.sqrt() * root) * shadow_function(root);
+    Complex64::cis(y) * (1.0 - shadow)
+}
+
+/// Slope at an end, per interval inwards: 0 where the detours turn back, and that of a parabola where they go on.
+fn end_slope(is_endless: bool, [end, inner]: [f64; 2], further: Option<&f64>) -> f64 {
+    let towards = inner - end;
+    match (is_endless, further) {
+        (false, _) => 0.0,
+        (true, Some(further)) => 2.0 * towards - 0.5 * (further - end),
+        (true, None) => towards,
+    }
+}
+
+/// The cubic polynomial with these values and slopes at 0 and 1.
+fn hermite([a, b]: [f64; 2], [slope_a, slope_b]: [f64; 2], t: f64) -> f64 {
+    let (t2, t3) = (t * t, t * t * t);
+    a * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + slope_a * (t3 - 2.0 * t2 + t)
+        + b * (3.0 * t2 - 2.0 * t3)
+        + slope_b * (t3 - t2)
+}
+
+/// sin x / x.
+fn sinc(x: f64) -> f64 {
+    match x.abs() < 1e-4 {
+        true => 1.0 - x * x / 6.0,
+        false => x.sin() / x,
+    }
+}

@@ -1,0 +1,295 @@
+//! All ways around an obstacle, and the sum of their pressures.
+
+use super::IN_BAND;
+use super::bend::Bend;
+use super::ring::{Basin, Detours, Samples, all_samples};
+use super::round::Arc;
+use super::space::Space;
+use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
+use super::wedge::shadow_function;
+use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::geometry::ExactScene;
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Phase in radians between opposite ways around an obstacle at which their factors count half: a narrower obstacle
+/// disturbs the front as a thin screen does.
+const NARROW: f64 = 3.0;
+
+/// Turn of the half-plane in radians over which the growth of a string's length is measured.
+const BESIDE: f64 = 0.1;
+
+/// Angle in half-planes up to which a bend belongs to a basin: the search for the stationary way moves it.
+const SAME_BASIN: f64 = 3.0;
+
+/// The ways around what is between two points.
+pub(super) struct Ways {
+    pub bends: Vec<Way>,
+    /// Distance between the points in metres.
+    apart_m: f64,
+}
+
+/// One way, with the half-planes around it.
+pub(super) struct Way {
+    pub bend: Bend,
+    /// Detours of the half-planes that become longer from its own on.
+    own: Vec<Samples>,
+    /// Detours over the lines of its edges.
+    lines: Vec<Samples>,
+    /// Ways along the surface in each half-plane, if the way has a single turn and that is curved.
+    arcs: Vec<Option<Arc>>,
+    /// Difference in metres between the opposite way and the straight one.
+    opposite_m: f64,
+    /// Curvature across the way, as a share of that along it: 1 on a ball, 0 on a cylinder.
+    closed: f64,
+    /// Growth of the detour with the square of the tangent of the azimuth, in metres.
+    growth_m: f64,
+    /// Growth in metres that an edge of the same turn would have.
+    edge_growth_m: f64,
+    /// Growth in metres that follows from the width of the ray tube.
+    tube_growth_m: f64,
+}
+
+impl Ways {
+    pub fn around(space: &impl Space, planes: &HalfPlanes) -> Ways {
+        let apart_m = planes.apart_m();
+        let strings = planes.strings(space);
+        let mut detours: Detours = [None; HALF_PLANES];
+        for (detour, string) in detours.iter_mut().zip(&strings) {
+            *detour = string
+                .as_ref()
+                .map(|string: &TautString| string.length_m() - apart_m);
+        }
+        let bends = |basin: &Basin| Bend::of(space, planes, basin.shortest as f64 * STEP);
+        let found: Vec<Bend> = Basin::all(&detours).iter().filter_map(bends).collect();
+        for bend in &found {
+            add_lines(space, planes, bend, &mut detours);
+        }
+        let mut bends: Vec<Way> = Vec::new();
+        for basin in Basin::all(&detours) {
+            let turned = |bend: &&Bend| basin.turns_from(bend.azimuth);
+            let near = found.iter().min_by(|a, b| turned(a).total_cmp(&turned(b)));
+            let Some(bend) = near.filter(|bend| turned(bend) <= SAME_BASIN) else {
+                continue;
+            };
+            let own = basin.samples(&detours);
+            match bends.iter_mut().find(|way| way.bend.is_same(bend)) {
+                Some(way) => way.own.push(own),
+                None => {
+                    let opposite_m = detours[basin.opposite()].unwrap_or(f64::INFINITY);
+                    let bend = bend.clone().with_brinks(space);
+                    bends.push(Way::of(space, planes, &strings, bend, own, opposite_m));
+                }
+            }
+        }
+        Ways { bends, apart_m }
+    }
+
+    /// Energy density at the listener of each way by band, in 1/m² for a source of power 1.
+    ///
+    /// The energies add up to the energy of the sum of the pressures. Ways that are equally long are one in a band: the
+    /// shortest has their energy.
+    pub fn energies(
+        &self,
+        exact: &ExactScene,
+        speed: f64,
+        coefficients: impl Fn(u32) -> Bands,
+    ) -> Vec<Bands> {
+        let faces: Vec<Vec<Bands>> = self
+            .bends
+            .iter()
+            .map(|way| {
+                let turns = way.bend.turns.iter();
+                turns
+                    .map(|turn| coefficients(exact.nearest(turn.middle)))
+                    .collect()
+            })
+            .collect();
+        let mut energies = vec![[0.0; BAND_COUNT]; self.bends.len()];
+        for band in 0..BAND_COUNT {
+            let in_band = self.in_band(exact, speed, band, &faces);
+            for (energies, energy) in energies.iter_mut().zip(in_band) {
+                energies[band] = energy / (4.0 * PI * self.apart_m * self.apart_m);
+            }
+        }
+        energies
+    }
+
+    fn in_band(
+        &self,
+        exact: &ExactScene,
+        speed: f64,
+        band: usize,
+        faces: &[Vec<Bands>],
+    ) -> Vec<f64> {
+        let count = self.bends.len();
+        let mut own = vec![0.0; count];
+        let mut coherence = vec![Complex64::ZERO; count];
+        let mut whole = 0.0;
+        let share = 1.0 / IN_BAND.len() as f64;
+        let lengths = self.bends.iter().map(|way| way.bend.length_m);
+        let shortest = lengths
+            .clone()
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((shortest, shortest_m)) = shortest else {
+            return own;
+        };
+        for factor in IN_BAND {
+            let k = TAU * BANDS_HZ[band] * factor / speed;
+            let mut sum = Complex64::ZERO;
+            for (index, way) in self.bends.iter().enumerate() {
+                let faces: Vec<f64> = faces[index].iter().map(|face| face[band]).collect();
+                let pressure = way
+                    .pressure(exact, k, &faces, self.apart_m)
+                    .unwrap_or_default();
+                own[index] += share * pressure.norm_sqr();
+                coherence[index] += share * Complex64::cis(k * (way.bend.length_m - shortest_m));
+                sum += pressure;
+            }
+            whole += share * sum.norm_sqr();
+        }
+        for (index, own) in own.iter_mut().enumerate() {
+            *own *= 1.0 - coherence[index].norm().min(1.0);
+        }
+        own[shortest] = 0.0;
+        let others: f64 = own.iter().sum();
+        if others > whole {
+            return own
+                .into_iter()
+                .map(|energy| energy * whole / others)
+                .collect();
+        }
+        own[shortest] = whole - others;
+        own
+    }
+}
+
+impl Way {
+    fn of(
+        space: &impl Space,
+        planes: &HalfPlanes,
+        strings: &[Option<TautString>],
+        bend: Bend,
+        own: Samples,
+        opposite_m: f64,
+    ) -> Way {
+        let arcs = strings
+            .iter()
+            .map(|string| string.as_ref().and_then(single_arc))
+            .collect();
+        let apart_m = planes.apart_m();
+        let detour_m = bend.length_m - apart_m;
+        let mut lines: Detours = [None; HALF_PLANES];
+        for (index, line) in lines.iter_mut().enumerate() {
+            let length = bend.length_over_lines(planes, index as f64 * STEP);
+            *line = length.map(|length| length - apart_m);
+        }
+        let beside = |turn: f64| {
+            let string = planes.string(space, bend.azimuth + turn)?;
+            Some(string.length_m() - bend.length_m)
+        };
+        let rises: Vec<f64> = [BESIDE, -BESIDE].into_iter().filter_map(beside).collect();
+        let mean = rises.iter().sum::<f64>() / rises.len().max(1) as f64;
+        let growth_m = (mean / BESIDE.tan().powi(2)).max(0.0);
+        let (edge_growth_m, width, closed) = match bend.turns[..] {
+            [turn] => {
+                let arc = bend.arc(0);
+                let across = bend.across(space, 0);
+                let closed = (across * turn.radius_m()).min(1.0);
+                (arc.argument(1.0).powi(2), arc.width(across).abs(), closed)
+            }
+            _ => (detour_m, 1.0, 0.0),
+        };
+        let spread = (bend.length_m / apart_m).powf(2.0 * closed);
+        Way {
+            own: vec![own],
+            arcs,
+            lines: all_samples(&lines),
+            opposite_m,
+            growth_m,
+            edge_growth_m,
+            tube_growth_m: edge_growth_m * width * spread,
+            closed,
+            bend,
+        }
+    }
+
+    /// Pressure at the listener for the wave number `k`, relative to the open at the straight way.
+    fn pressure(
+        &self,
+        space: &impl Space,
+        k: f64,
+        faces: &[f64],
+        apart_m: f64,
+    ) -> Option<Complex64> {
+        let bend = &self.bend;
+        let detour_m = bend.length_m - apart_m;
+        let product = bend.pressure(space, k, faces)?;
+        let wide = match self.opposite_m.is_finite() {
+            true => k * self.opposite_m / (k * self.opposite_m + NARROW),
+            false => 1.0,
+        };
+        let wide = 1.0 - (1.0 - wide) * self.closed;
+        let screen = |growth_m: f64| 0.5 * shadow_function((k * growth_m.max(0.0)).sqrt());
+        let relative = |factor: Complex64| Complex64::ONE + (factor - 1.0) * wide;
+        let softness = match faces {
+            [face] => 0.5 * (1.0 + face),
+            _ => 1.0,
+        };
+        let own: Complex64 = self.own.iter().map(|samples| samples.sum(k)).sum();
+        let round = bend.most_round(space, k);
+        let mut sum = Complex64::ZERO;
+        if round < 1.0 {
+            let lines: Complex64 = self.lines.iter().map(|samples| samples.sum(k)).sum();
+            let straight = screen(detour_m);
+            let factor = product * (apart_m / bend.length_m) / straight;
+            let front = straight * Complex64::cis(k * detour_m) + own - lines;
+            sum += (1.0 - round) * factor * front;
+        }
+        if round > 0.0 {
+            let spread = (apart_m / bend.length_m).powf(1.0 - self.closed);
+            let factor = relative(product * spread / screen(self.edge_growth_m));
+            let weights = |index: usize| match &self.arcs[index] {
+                Some(arc) => relative(
+                    softness * spread * arc.pressure(k) / screen(arc.argument(1.0).powi(2)),
+                ),
+                None => factor,
+            };
+            let own = self
+                .own
+                .iter()
+                .map(|samples| samples.weighted_sum(k, weights));
+            let focus = screen(self.tube_growth_m) / screen(self.growth_m);
+            sum += round * own.sum::<Complex64>() * focus;
+        }
+        Some(sum)
+    }
+}
+
+/// Adds the ways over the lines of a bend's edges in half-planes without a string, where they are free.
+fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut Detours) {
+    for (index, detour) in detours.iter_mut().enumerate() {
+        let azimuth = index as f64 * STEP;
+        if detour.is_some() || !bend.is_free_over_lines(space, planes, azimuth) {
+            continue;
+        }
+        let length = bend.length_over_lines(planes, azimuth);
+        *detour = length.map(|length| length - planes.apart_m());
+    }
+}
+
+/// The way along the surface of a string with a single turn.
+fn single_arc(string: &TautString) -> Option<Arc> {
+    let turns = string.turns();
+    let [turn] = &turns[..] else {
+        return None;
+    };
+    (turn.arc_m > 0.0).then(|| Arc {
+        before_m: string.source.distance(turn.entry),
+        after_m: string.listener.distance(turn.exit),
+        arc_m: turn.arc_m,
+        angle: turn.angle,
+        creeping: turn.creeping,
+    })
+}
