@@ -29,6 +29,20 @@ pub(super) fn paths_around(pair: Pair, medium: &Medium) -> Result<Vec<HeardPath>
     Ok(heard)
 }
 
+/// The energy of the direct sound by band, relative to that in the open, with the edges beside its way: 1 without edges.
+pub(super) fn beside(pair: Pair, medium: &Medium) -> Result<Bands, Error> {
+    let early = EarlyPaths::new(pair)?;
+    let ends = early.ends(pair);
+    let faces = |surface: u32| pressure_reflection(pair.scene, surface);
+    let ends = (ends.source, ends.listener);
+    Ok(diffraction::beside(
+        early.exact(),
+        ends,
+        medium.speed,
+        faces,
+    ))
+}
+
 /// The share of the pressure that a surface reflects, by band: 1 for a surface without a material.
 fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
     let index = (surface as usize).checked_sub(1);

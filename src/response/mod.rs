@@ -183,6 +183,17 @@ impl Response {
             .filter(|arrival| !is_replaced(arrival))
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         let mut paths = all_paths.clone();
+        if settings.diffracts() && !is_hidden {
+            let beside = hidden::beside(pair, &medium)?;
+            let direct = paths
+                .iter_mut()
+                .filter(|path| path.kind == PathKind::Direct);
+            direct.for_each(|path| {
+                for (energy, share) in path.energy.iter_mut().zip(beside) {
+                    *energy *= share;
+                }
+            });
+        }
         paths.extend(around);
         paths.extend(through);
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));

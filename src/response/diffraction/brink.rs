@@ -3,7 +3,7 @@
 //! A string over a thick obstacle touches one edge only if source or listener are high enough to see the other. The end
 //! of the face between both still diffracts: at the boundary of its shadow it halves the pressure.
 
-use super::edge::{Edge, Side};
+use super::edge::Edge;
 use super::space::Space;
 use glam::DVec3;
 use num_complex::Complex64;
@@ -77,9 +77,7 @@ impl Brink {
         let towards = (start - self.edge.point).try_normalize()?;
         let ends = [self.edge.point + towards * (before_m + self.width_m), end];
         let radius = 0.5 * self.width_m.min(self.edge.point.distance(end));
-        let wedge = self
-            .edge
-            .wedge(space, ends, Side::Air(self.outwards), radius)?;
+        let wedge = self.edge.wedge(space, ends, self.outwards, radius)?;
         Some(1.0 + wedge.diffracted(k).sum([face; 2]) / (1.0 + face))
     }
 }

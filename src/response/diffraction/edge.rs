@@ -14,15 +14,6 @@ pub(super) struct Edge {
     pub along: DVec3,
 }
 
-/// The side of an edge on which the air is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Side {
-    /// The solid hides the ends of the legs from each other: the air is on the side of the greater angle.
-    Hidden,
-    /// The air begins at the first leg in this direction.
-    Air(DVec3),
-}
-
 /// Passes of the search for the stationary way over several edges: each pass moves one contact after the other to the
 /// best place, and the error falls by a constant factor.
 const PASSES: usize = 64;
@@ -42,7 +33,7 @@ pub(super) fn shorten(points: &mut [DVec3], edges: &[Edge]) {
 
 impl Edge {
     /// The point of the edge on the shortest way from `a` to `b`: both legs meet the edge at the same angle (Fermat).
-    fn shortest(&self, a: DVec3, b: DVec3) -> DVec3 {
+    pub fn shortest(&self, a: DVec3, b: DVec3) -> DVec3 {
         let (along_a, off_a) = self.split(a);
         let (along_b, off_b) = self.split(b);
         let (a_m, b_m) = (off_a.length(), off_b.length());
@@ -61,15 +52,15 @@ impl Edge {
         (along, from - self.along * along)
     }
 
-    /// The wedge of air around the edge between the ends of its two legs. `side_of_air` states where the air is;
-    /// `radius` is the distance from the edge, in metres, at which the faces are sought.
+    /// The wedge of air around the edge between the ends of its two legs. `outwards` points away
+    /// from the solid; `radius` is the distance from the edge, in metres, at which the faces are sought.
     ///
     /// `None` if an end lies on the edge's line or no face is found.
     pub fn wedge(
         &self,
         space: &impl Space,
         [a, b]: [DVec3; 2],
-        side_of_air: Side,
+        outwards: DVec3,
         radius: f64,
     ) -> Option<Wedge> {
         let (along_a, off_a) = self.split(a);
@@ -77,17 +68,10 @@ impl Edge {
         let towards_a = off_a.try_normalize()?;
         let towards_b = off_b.try_normalize()?;
         let side = self.along.cross(towards_a);
-        // A string bends round the solid: in the shadow the way through the air is the longer way round the edge.
         let angle = towards_b.dot(side).atan2(towards_b.dot(towards_a));
-        let through_air = match side_of_air {
-            Side::Hidden => angle - 2.0 * PI * angle.signum(),
-            Side::Air(outwards) => {
-                let turn = outwards.dot(side).signum();
-                turn * (turn * angle).rem_euclid(2.0 * PI)
-            }
-        };
+        let turn = outwards.dot(side).signum();
+        let through_air = turn * (turn * angle).rem_euclid(2.0 * PI);
         // From each leg on, away from the other.
-        let turn = through_air.signum();
         let face_a = self.face(space, towards_a, side * -turn, radius)?;
         let side_b = self.along.cross(towards_b);
         let face_b = self.face(space, towards_b, side_b * turn, radius)?;

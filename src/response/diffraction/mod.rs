@@ -24,7 +24,9 @@
 mod bend;
 mod brink;
 mod edge;
+mod interference;
 mod profile;
+mod rim;
 mod ring;
 mod round;
 mod space;
@@ -35,13 +37,14 @@ mod turn;
 mod ways;
 mod wedge;
 
-use crate::bands::{BANDS_HZ, Bands};
+use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use bend::Bend;
 use glam::DVec3;
+use interference::{Sound, band_mean};
 use num_complex::Complex64;
+use rim::Rim;
 use space::Space;
-use std::f64::consts::TAU;
 use string::HalfPlanes;
 use ways::Ways;
 use wedge::shadow_function;
@@ -63,8 +66,9 @@ pub(super) struct DiffractedPath {
     pub energy: Bands,
 }
 
-/// Frequencies in an octave band at which the energy is computed, as factors of its centre.
-const IN_BAND: [f64; 3] = [0.793_700_525_984_099_7, 1.0, 1.259_921_049_894_873_2];
+/// Distance by which the listener is moved if an edge lies on the line from the source, as a share of the distance between
+/// both: levels change by less than 0.01 dB.
+const OFF_THE_EDGE: f64 = 1e-4;
 
 /// The share of the energy of the straight front that an obstacle intercepts, by band, if the ways around it are
 /// longer than the straight way by `detours_m` metres.
@@ -80,10 +84,7 @@ pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
         };
         Complex64::ONE - detours_m.iter().map(open).sum::<Complex64>()
     };
-    BANDS_HZ.map(|hertz| {
-        let energy = |factor: f64| pressure(TAU * hertz * factor / speed).norm_sqr();
-        IN_BAND.map(energy).iter().sum::<f64>() / IN_BAND.len() as f64
-    })
+    std::array::from_fn(|band| band_mean(band, speed, |k| pressure(k).norm_sqr()))
 }
 
 /// The diffracted paths from a source to a listener in the air that do not see each other; none if they do.
@@ -101,12 +102,62 @@ pub(super) fn around(
     let Some(planes) = HalfPlanes::between(source, listener) else {
         return Vec::new();
     };
-    let ways = Ways::around(exact, &planes);
+    let mut ways = Ways::around(exact, &planes);
+    if let Some(outwards) = ways.touched() {
+        let moved = listener - outwards * (OFF_THE_EDGE * planes.apart_m());
+        if let Some(planes) = HalfPlanes::between(source, moved) {
+            ways = Ways::around(exact, &planes);
+        }
+    }
     let energies = ways.energies(exact, speed, coefficients);
     let paths = ways.bends.iter().zip(energies);
     paths
         .filter_map(|(way, energy)| DiffractedPath::along(&way.bend, exact, energy))
         .collect()
+}
+
+/// The energy of the direct sound, relative to that in the open, by band, with the edges beside the way from a source to
+/// a listener that see each other, and the energy that reflections which end at these edges leave behind.
+pub(super) fn beside(
+    exact: &ExactScene,
+    (source, listener): (DVec3, DVec3),
+    speed: f64,
+    coefficients: impl Fn(u32) -> Bands,
+) -> Bands {
+    let Some(planes) = HalfPlanes::between(source, listener) else {
+        return [1.0; BAND_COUNT];
+    };
+    let mut rims = Rim::all(exact, &planes, &[]);
+    if let Some(touched) = rims.iter().find(|rim| rim.touches_the_straight_way()) {
+        // The half-planes of an edge on the line between source and listener are not defined.
+        let moved = listener + touched.inwards() * (OFF_THE_EDGE * planes.apart_m());
+        let planes = HalfPlanes::between(source, moved);
+        rims = planes.map_or(Vec::new(), |planes| Rim::all(exact, &planes, &[]));
+    }
+    let faces: Vec<Bands> = rims
+        .iter()
+        .map(|rim| coefficients(exact.nearest(rim.point())))
+        .collect();
+    std::array::from_fn(|band| {
+        band_mean(band, speed, |k| {
+            let mut sounds = vec![Sound {
+                pressure: Complex64::ONE,
+                length_m: planes.apart_m(),
+            }];
+            let mut reflected = 0.0;
+            for (rim, face) in rims.iter().zip(&faces) {
+                let Some(added) = rim.added(exact, k, face[band]) else {
+                    continue;
+                };
+                reflected += added.reflected.norm_sqr();
+                sounds.push(Sound {
+                    pressure: added.direct,
+                    length_m: rim.length_m,
+                });
+            }
+            interference::energy(&sounds, k) + reflected
+        })
+    })
 }
 
 impl DiffractedPath {

@@ -84,11 +84,6 @@ impl Basin {
         (turns - whole * (turns / whole).round()).abs()
     }
 
-    /// The opposite half-plane.
-    pub fn opposite(&self) -> usize {
-        (self.shortest + HALF_PLANES / 2) % HALF_PLANES
-    }
-
     /// The part of the sum that the half-planes of the basin contribute.
     pub fn samples(&self, detours: &Detours) -> Samples {
         let first = self.shortest + HALF_PLANES - self.before;
@@ -189,8 +184,8 @@ impl Samples {
     }
 }
 
-/// Least detour in metres: its phase is below 1e-7 rad.
-const LEAST_DETOUR_M: f64 = 1e-10;
+/// Least detour in metres: its phase is below 1e-5 rad.
+pub(super) const LEAST_DETOUR_M: f64 = 1e-7;
 
 /// The integral of exp(iy/u²) over u from 0 to 1.
 fn tail(y: f64) -> Complex64 {

@@ -7,7 +7,9 @@
 //!
 //! Only lines of sight are asked for: a string passes no wall, however thin, and needs no list of edges.
 
+use super::edge::Edge;
 use super::profile::Profile;
+use super::rim::MOST_DETOUR_M;
 use super::space::Space;
 use super::turn::Turn;
 use glam::{DVec2, DVec3};
@@ -26,6 +28,14 @@ const HIGHEST: f64 = 4.0;
 /// Factor between the heights that are tried: an opening between two obstacles is found if its farther rim is that much
 /// farther from the line than the nearer one.
 const RAISED: f64 = 1.25;
+
+/// Factor between the heights of tents that are tried in search of an obstacle beyond a free one.
+const RAISED_BEYOND: f64 = 1.5;
+
+/// Height of the first tent above a string, as a share of the distance between its ends, and the number of heights that
+/// are tried, each twice as far above the string.
+const OVER: f64 = 1e-4;
+const OVER_STEPS: u32 = 12;
 
 /// Feet of tents, as shares of the distance between their ends, where no tent over the middle of the solid is free: over
 /// either end, and beyond. They find the way for ends close to a wall, which leaves at a right angle or backwards.
@@ -91,6 +101,12 @@ impl TautString {
             from = turn.exit;
         }
         straight + arcs + from.distance(self.listener)
+    }
+
+    /// The contact about half way.
+    fn highest(&self) -> DVec3 {
+        let middle = self.contacts.get(self.contacts.len() / 2);
+        middle.map_or(self.source, |contact| contact.point)
     }
 
     /// The turns of the string, each at an edge or along a curved surface.
@@ -225,6 +241,77 @@ impl HalfPlanes {
         }
     }
 
+    /// Source and listener in world metres.
+    pub fn ends(&self) -> (DVec3, DVec3) {
+        (self.source, self.listener)
+    }
+
+    /// Difference in metres between the way over a point and the straight one.
+    pub fn detour_m(&self, point: DVec3) -> f64 {
+        let over = self.source.distance(point) + point.distance(self.listener);
+        over - self.apart_m()
+    }
+
+    /// The point of a line in the half-plane of an azimuth; `None` if the line does not cross it.
+    pub fn on_line(&self, line: &Edge, azimuth: f64) -> Option<DVec3> {
+        let (up, normal) = (self.upwards(azimuth), self.upwards(azimuth + 0.25 * TAU));
+        let steep = line.along.dot(normal);
+        if steep.abs() < f64::EPSILON {
+            return None;
+        }
+        let from = line.point - self.source;
+        let point = line.point - line.along * (from.dot(normal) / steep);
+        ((point - self.source).dot(up) > 0.0).then_some(point)
+    }
+
+    /// The point at which an obstacle touches the lowest tent that it blocks, in the half-plane of an azimuth: above the
+    /// straight line, or above a string. `None` if none does up to the greatest detour of a rim.
+    pub fn beyond(
+        &self,
+        space: &impl Space,
+        azimuth: f64,
+        above: Option<&TautString>,
+    ) -> Option<DVec3> {
+        let length = self.apart_m();
+        let along = (self.listener - self.source) / length;
+        let plane = Plane {
+            space,
+            up: self.upwards(azimuth),
+            error: FINE,
+            feet: &[],
+        };
+        let (foot, rise) = match above.map(TautString::highest) {
+            Some(contact) => {
+                let rise = (contact - self.source)
+                    .reject_from_normalized(along)
+                    .length();
+                (self.share(contact), rise / length)
+            }
+            None => (0.5, 0.0),
+        };
+        let apex =
+            |height: f64| self.source + along * (foot * length) + plane.up * (height * length);
+        let is_free = |height: f64| {
+            space.is_free(self.source, apex(height)) && space.is_free(self.listener, apex(height))
+        };
+        let mut free = rise;
+        if above.is_some() {
+            // The apex over the whole string is higher than its contacts.
+            let steps = (0..OVER_STEPS).map(|step| rise + OVER * f64::from(1 << step));
+            free = steps.into_iter().find(|height| is_free(*height))?;
+        }
+        let mut height = free.max(0.5 * LOWEST) * RAISED_BEYOND;
+        while self.detour_m(apex(height)) < MOST_DETOUR_M {
+            if !is_free(height) {
+                let (blocked, _) = bisect(height, free, plane.error, is_free);
+                return Some(plane.touched(self.source, apex(blocked), self.listener));
+            }
+            free = height;
+            height *= RAISED_BEYOND;
+        }
+        None
+    }
+
     /// Place of a point along the line from source to listener, as a share of its length.
     fn share(&self, point: DVec3) -> f64 {
         let line = self.listener - self.source;
@@ -287,8 +374,11 @@ impl<S: Space> Plane<'_, S> {
             return Some(lowered.contacts.drain(..).map(Contact::at).collect());
         }
         let inner = self.contacts(first + lift, last + lift, depth - 1);
+        // A ray along a face may end on it: a string has no contact below the line between its neighbours.
+        let above = up.reject_from_normalized((last - first).normalize_or_zero());
+        let is_above = |contact: &Contact| (contact.point - first).dot(above) > 0.0;
         let mut found = vec![Contact::at(first)];
-        found.extend(inner.unwrap_or_default());
+        found.extend(inner.unwrap_or_default().into_iter().filter(is_above));
         found.push(Contact::at(last));
         follow_ends(&mut found);
         Some(found)
@@ -320,6 +410,15 @@ impl<S: Space> Plane<'_, S> {
                 apex: top,
             },
         }
+    }
+
+    /// The point at which the leg from `a` or from `b` to a blocked apex touches an obstacle.
+    fn touched(&self, a: DVec3, apex: DVec3, b: DVec3) -> DVec3 {
+        let from = match self.space.is_free(a, apex) {
+            true => b,
+            false => a,
+        };
+        from + (apex - from).normalize_or_zero() * self.contact(from, apex)
     }
 
     /// Distance from `a` to the middle of the solid that the leg from `a` to `end` just touches.
@@ -376,16 +475,16 @@ fn first_free(is_free: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
     None
 }
 
-/// Narrows the interval between a blocked and a free value to `error`.
+/// Narrows the interval between a blocked and a free value, whichever is greater, to `error`.
 fn bisect(
     mut blocked: f64,
     mut free: f64,
     error: f64,
     is_free: impl Fn(f64) -> bool,
 ) -> (f64, f64) {
-    while free - blocked > error {
+    while (free - blocked).abs() > error {
         let middle = 0.5 * (blocked + free);
-        if middle <= blocked || middle >= free {
+        if middle == blocked || middle == free {
             break;
         }
         match is_free(middle) {

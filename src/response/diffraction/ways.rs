@@ -1,18 +1,20 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
-use super::IN_BAND;
+use super::interference::{self, Sound, band_mean, coherence};
 use super::bend::Bend;
-use super::ring::{Basin, Detours, Samples, all_samples};
+use super::rim::Rim;
+use super::ring::{Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::round::Arc;
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::wedge::shadow_function;
-use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
+use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// Phase in radians between opposite ways around an obstacle at which their factors count half: a narrower obstacle
+/// Phase in radians between the longest string around an obstacle and the straight line at which their factors count half: a narrower obstacle
 /// disturbs the front as a thin screen does.
 const NARROW: f64 = 3.0;
 
@@ -25,6 +27,8 @@ const SAME_BASIN: f64 = 3.0;
 /// The ways around what is between two points.
 pub(super) struct Ways {
     pub bends: Vec<Way>,
+    /// Edges beside the ways.
+    rims: Vec<Rim>,
     /// Distance between the points in metres.
     apart_m: f64,
 }
@@ -38,8 +42,9 @@ pub(super) struct Way {
     lines: Vec<Samples>,
     /// Ways along the surface in each half-plane, if the way has a single turn and that is curved.
     arcs: Vec<Option<Arc>>,
-    /// Difference in metres between the opposite way and the straight one.
-    opposite_m: f64,
+    /// Difference in metres between the longest string around the obstacle and the straight line: infinite for an endless
+    /// one.
+    longest_m: f64,
     /// Curvature across the way, as a share of that along it: 1 on a ball, 0 on a cylinder.
     closed: f64,
     /// Growth of the detour with the square of the tangent of the azimuth, in metres.
@@ -66,6 +71,8 @@ impl Ways {
             add_lines(space, planes, bend, &mut detours);
         }
         let mut bends: Vec<Way> = Vec::new();
+        let longest = detours.iter().map(|detour| detour.unwrap_or(f64::INFINITY));
+        let longest_m = longest.fold(0.0, f64::max);
         for basin in Basin::all(&detours) {
             let turned = |bend: &&Bend| basin.turns_from(bend.azimuth);
             let near = found.iter().min_by(|a, b| turned(a).total_cmp(&turned(b)));
@@ -76,13 +83,23 @@ impl Ways {
             match bends.iter_mut().find(|way| way.bend.is_same(bend)) {
                 Some(way) => way.own.push(own),
                 None => {
-                    let opposite_m = detours[basin.opposite()].unwrap_or(f64::INFINITY);
                     let bend = bend.clone().with_brinks(space);
-                    bends.push(Way::of(space, planes, &strings, bend, own, opposite_m));
+                    bends.push(Way::of(space, planes, &strings, bend, own, longest_m));
                 }
             }
         }
-        Ways { bends, apart_m }
+        Ways {
+            rims: Rim::all(space, planes, &strings),
+            bends,
+            apart_m,
+        }
+    }
+
+    /// The direction away from the solid at an edge on the straight way, if there is one.
+    pub fn touched(&self) -> Option<DVec3> {
+        let is_touched = |way: &&Way| way.bend.length_m - self.apart_m < LEAST_DETOUR_M;
+        let touched = self.bends.iter().find(is_touched);
+        touched.map(|way| way.bend.outwards())
     }
 
     /// Energy density at the listener of each way by band, in 1/m² for a source of power 1.
@@ -122,36 +139,36 @@ impl Ways {
         band: usize,
         faces: &[Vec<Bands>],
     ) -> Vec<f64> {
-        let count = self.bends.len();
-        let mut own = vec![0.0; count];
-        let mut coherence = vec![Complex64::ZERO; count];
-        let mut whole = 0.0;
-        let share = 1.0 / IN_BAND.len() as f64;
+        let mut own = vec![0.0; self.bends.len()];
         let lengths = self.bends.iter().map(|way| way.bend.length_m);
-        let shortest = lengths
-            .clone()
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let shortest = lengths.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((shortest, shortest_m)) = shortest else {
             return own;
         };
-        for factor in IN_BAND {
-            let k = TAU * BANDS_HZ[band] * factor / speed;
-            let mut sum = Complex64::ZERO;
+        let whole = band_mean(band, speed, |k| {
+            let mut sounds = Vec::new();
             for (index, way) in self.bends.iter().enumerate() {
                 let faces: Vec<f64> = faces[index].iter().map(|face| face[band]).collect();
-                let pressure = way
-                    .pressure(exact, k, &faces, self.apart_m)
-                    .unwrap_or_default();
-                own[index] += share * pressure.norm_sqr();
-                coherence[index] += share * Complex64::cis(k * (way.bend.length_m - shortest_m));
-                sum += pressure;
+                let pressure = way.pressure(exact, k, &faces, self.apart_m);
+                let sound = Sound {
+                    pressure: pressure.unwrap_or_default(),
+                    length_m: way.bend.length_m,
+                };
+                // Ways that are equally long are one.
+                let apart = 1.0 - coherence(sound.length_m - shortest_m, k).abs();
+                own[index] += apart * sound.pressure.norm_sqr() / 3.0;
+                sounds.push(sound);
             }
-            whole += share * sum.norm_sqr();
-        }
-        for (index, own) in own.iter_mut().enumerate() {
-            *own *= 1.0 - coherence[index].norm().min(1.0);
-        }
+            let added = self.rims.iter().filter_map(|rim| {
+                let added = rim.added(exact, k, 1.0)?;
+                Some(Sound {
+                    pressure: added.direct + added.reflected,
+                    length_m: rim.length_m,
+                })
+            });
+            sounds.extend(added);
+            interference::energy(&sounds, k)
+        });
         own[shortest] = 0.0;
         let others: f64 = own.iter().sum();
         if others > whole {
@@ -172,7 +189,7 @@ impl Way {
         strings: &[Option<TautString>],
         bend: Bend,
         own: Samples,
-        opposite_m: f64,
+        longest_m: f64,
     ) -> Way {
         let arcs = strings
             .iter()
@@ -206,7 +223,7 @@ impl Way {
             own: vec![own],
             arcs,
             lines: all_samples(&lines),
-            opposite_m,
+            longest_m,
             growth_m,
             edge_growth_m,
             tube_growth_m: edge_growth_m * width * spread,
@@ -226,11 +243,10 @@ impl Way {
         let bend = &self.bend;
         let detour_m = bend.length_m - apart_m;
         let product = bend.pressure(space, k, faces)?;
-        let wide = match self.opposite_m.is_finite() {
-            true => k * self.opposite_m / (k * self.opposite_m + NARROW),
+        let wide = match self.longest_m.is_finite() {
+            true => k * self.longest_m / (k * self.longest_m + NARROW),
             false => 1.0,
         };
-        let wide = 1.0 - (1.0 - wide) * self.closed;
         let screen = |growth_m: f64| 0.5 * shadow_function((k * growth_m.max(0.0)).sqrt());
         let relative = |factor: Complex64| Complex64::ONE + (factor - 1.0) * wide;
         let softness = match faces {
@@ -245,7 +261,7 @@ impl Way {
             let straight = screen(detour_m);
             let factor = product * (apart_m / bend.length_m) / straight;
             let front = straight * Complex64::cis(k * detour_m) + own - lines;
-            sum += (1.0 - round) * factor * front;
+            sum += (1.0 - round) * relative(factor) * front;
         }
         if round > 0.0 {
             let spread = (apart_m / bend.length_m).powf(1.0 - self.closed);

@@ -94,6 +94,19 @@ impl Wedge {
         }
     }
 
+    /// How much the diffracted reflections at the first and at the second face belong to the direct sound, from 0 where
+    /// the reflection at the face begins or is heard, to 1 at the boundary of the direct sound.
+    pub fn shares_of_direct(&self) -> [f64; 2] {
+        let share = |near: f64, far: f64| {
+            ((far + near - PI) / (2.0 * near).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+        };
+        let (source, receiver) = (self.source_angle, self.receiver_angle);
+        [
+            share(source, receiver),
+            share(self.air_angle - receiver, self.air_angle - source),
+        ]
+    }
+
     /// Distance in metres between two points at these distances from the edge that lie `angle` apart.
     fn image_m(&self, angle: f64) -> f64 {
         let Wedge {

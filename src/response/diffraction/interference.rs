@@ -1,0 +1,48 @@
+//! Energies of sounds that interfere, in octave bands.
+
+use crate::bands::BANDS_HZ;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Centres of the third octaves of an octave band, as factors of its centre.
+const THIRDS: [f64; 3] = [0.793_700_525_984_099_7, 1.0, 1.259_921_049_894_873_2];
+
+/// Width of a third octave, as a share of its centre.
+const WIDTH: f64 = 0.231_563_184_6;
+
+/// A sound of one wave number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sound {
+    pub pressure: Complex64,
+    /// Length of its way in metres: the phase of the pressure turns with it over a band.
+    pub length_m: f64,
+}
+
+/// The mean of a function of the wave number over the third octaves of a band.
+pub(super) fn band_mean(band: usize, speed: f64, value: impl FnMut(f64) -> f64) -> f64 {
+    let numbers = THIRDS.map(|factor| TAU * BANDS_HZ[band] * factor / speed);
+    numbers.map(value).iter().sum::<f64>() / THIRDS.len() as f64
+}
+
+/// The energy of the sum of sounds, as the mean over the third octave about `k`.
+pub(super) fn energy(sounds: &[Sound], k: f64) -> f64 {
+    let mut energy = 0.0;
+    for (index, a) in sounds.iter().enumerate() {
+        energy += a.pressure.norm_sqr();
+        for b in &sounds[..index] {
+            let cross = (a.pressure * b.pressure.conj()).re;
+            energy += 2.0 * cross * coherence(a.length_m - b.length_m, k);
+        }
+    }
+    energy.max(0.0)
+}
+
+/// How much two sounds interfere over the third octave about `k` if their ways differ by `difference_m` metres: from 1 if
+/// they are equally long.
+pub(super) fn coherence(difference_m: f64, k: f64) -> f64 {
+    let half = 0.5 * WIDTH * k * difference_m;
+    match half.abs() < 1e-4 {
+        true => 1.0,
+        false => half.sin() / half,
+    }
+}

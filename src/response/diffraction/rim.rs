@@ -1,0 +1,211 @@
+//! Edges beside a free way: they diffract although they hide nothing.
+//!
+//! In each half-plane the tent that is free is raised further, until an obstacle blocks it. The edge that it then touches
+//! adds its diffracted pressure, which has the opposite sign to that behind an edge: together with the direct sound the
+//! pressure is continuous at the boundary of the shadow. A plane has no diffracted pressure, and drops out.
+
+use super::edge::Edge;
+use super::ring::{Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
+use super::space::Space;
+use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
+use super::wedge::{Wedge, shadow_function};
+use glam::DVec3;
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
+pub(super) const MOST_DETOUR_M: f64 = 4.0;
+
+/// Turn of the half-plane in radians over which the direction of an edge is measured.
+const TURN: f64 = 0.01;
+
+/// Searches for the stationary way over an edge.
+const MOST_SEARCHES: usize = 4;
+
+/// Distance from the surface, as a share of the way's length, up to which a point counts as on it.
+const ON_SURFACE: f64 = 1e-5;
+
+/// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
+const MOST_OF_LEG: f64 = 0.7;
+
+/// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
+const PLANE: f64 = 0.01;
+
+/// An edge beside the way.
+pub(super) struct Rim {
+    source: DVec3,
+    listener: DVec3,
+    edge: Edge,
+    /// Unit vector from the edge to the straight way.
+    inwards: DVec3,
+    pub length_m: f64,
+    own: Vec<Samples>,
+    lines: Vec<Samples>,
+}
+
+/// The pressures that an edge adds, relative to the direct sound.
+pub(super) struct Added {
+    /// To the direct sound.
+    pub direct: Complex64,
+    /// To reflections at its faces that the listener does not hear there.
+    pub reflected: Complex64,
+}
+
+impl Rim {
+    /// The edges beside the straight way if `strings` is empty, otherwise those beyond the strings.
+    pub fn all(
+        space: &impl Space,
+        planes: &HalfPlanes,
+        strings: &[Option<TautString>],
+    ) -> Vec<Rim> {
+        let above = |index: usize| strings.get(index).map(Option::as_ref);
+        let mut detours: Detours = [None; HALF_PLANES];
+        let touches: Vec<Option<DVec3>> = (0..HALF_PLANES)
+            .map(|index| match above(index) {
+                Some(None) => None,
+                known => planes.beyond(space, index as f64 * STEP, known.flatten()),
+            })
+            .collect();
+        for (detour, touch) in detours.iter_mut().zip(&touches) {
+            *detour = touch.map(|touch| planes.detour_m(touch));
+        }
+        let mut rims: Vec<Rim> = Vec::new();
+        for basin in Basin::all(&detours) {
+            let above = above(basin.shortest).flatten();
+            let Some(mut rim) = Rim::of(space, planes, basin.shortest as f64 * STEP, above) else {
+                continue;
+            };
+            let samples = basin.samples(&detours);
+            match rims.iter_mut().find(|other| other.is_same(&rim)) {
+                Some(other) => other.own.push(samples),
+                None => {
+                    rim.own.push(samples);
+                    rims.push(rim);
+                }
+            }
+        }
+        rims
+    }
+
+    fn of(
+        space: &impl Space,
+        planes: &HalfPlanes,
+        mut azimuth: f64,
+        above: Option<&TautString>,
+    ) -> Option<Rim> {
+        let mut last = None;
+        for _ in 0..MOST_SEARCHES {
+            let touch = planes.beyond(space, azimuth, above)?;
+            let beside = |turn: f64| planes.beyond(space, azimuth + turn, above);
+            let other = [TURN, -TURN].into_iter().find_map(beside)?;
+            let edge = Edge {
+                point: touch,
+                along: (other - touch).try_normalize()?,
+            };
+            let (source, listener) = planes.ends();
+            let point = edge.shortest(source, listener);
+            let rim = |point: DVec3| Rim::at(planes, Edge { point, ..edge }, azimuth);
+            if planes.detour_m(touch) < LEAST_DETOUR_M {
+                return Some(rim(touch));
+            }
+            let moved = rim(point);
+            if moved.is_on_solid(space) {
+                return moved.is_edge(space).then_some(moved);
+            }
+            last.get_or_insert_with(|| rim(touch));
+            azimuth = planes.azimuth_of(point);
+        }
+        last.filter(|rim: &Rim| rim.is_edge(space))
+    }
+
+    fn at(planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Rim {
+        let (source, listener) = planes.ends();
+        let mut lines: Detours = [None; HALF_PLANES];
+        for (index, line) in lines.iter_mut().enumerate() {
+            let point = planes.on_line(&edge, index as f64 * STEP);
+            *line = point.map(|point| planes.detour_m(point));
+        }
+        Rim {
+            source,
+            listener,
+            inwards: -planes.upwards(azimuth),
+            length_m: source.distance(edge.point) + edge.point.distance(listener),
+            edge,
+            own: Vec::new(),
+            lines: all_samples(&lines),
+        }
+    }
+
+    fn is_same(&self, other: &Rim) -> bool {
+        self.edge.point.distance(other.edge.point) < ON_SURFACE.sqrt() * self.length_m
+    }
+
+    fn is_on_solid(&self, space: &impl Space) -> bool {
+        let error = ON_SURFACE * self.length_m;
+        let lifted = self.edge.point + self.inwards * error;
+        space.distance(self.edge.point).abs() <= error
+            && space.is_free(self.source, lifted)
+            && space.is_free(self.listener, lifted)
+    }
+
+    /// Whether the surface is not plane there.
+    fn is_edge(&self, space: &impl Space) -> bool {
+        let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
+        let radius = MOST_OF_LEG * legs[0].min(legs[1]);
+        let is_edge = |share: f64| {
+            let wedge = self.wedge(space, share * radius);
+            wedge.is_some_and(|wedge| wedge.air_angle > PI + PLANE)
+        };
+        is_edge(1.0) || is_edge(0.1)
+    }
+
+    fn wedge(&self, space: &impl Space, radius: f64) -> Option<Wedge> {
+        let ends = [self.source, self.listener];
+        self.edge.wedge(space, ends, self.inwards, radius)
+    }
+
+    /// The pressures that the edge adds for the wave number `k`; `face` is the pressure reflection coefficient of its
+    /// faces.
+    pub fn added(&self, space: &impl Space, k: f64, face: f64) -> Option<Added> {
+        let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
+        let zone = 0.5 * (TAU / k * legs[0] * legs[1] / self.length_m).sqrt();
+        let wedge = self.wedge(space, zone.min(MOST_OF_LEG * legs[0].min(legs[1])))?;
+        let diffracted = wedge.diffracted(k);
+        let detour_m = self.length_m - wedge.apart_m();
+        let straight =
+            0.5 * shadow_function((k * detour_m.max(0.0)).sqrt()) * Complex64::cis(k * detour_m);
+        let sum = |samples: &[Samples]| -> Complex64 {
+            samples.iter().map(|samples| samples.sum(k)).sum()
+        };
+        let ends = 1.0 + (sum(&self.own) - sum(&self.lines)) / straight;
+        let near = (1.0 - (detour_m / MOST_DETOUR_M).powi(2)).max(0.0).powi(2);
+        let shares = wedge.shares_of_direct();
+        let mut added = Added {
+            direct: diffracted.direct,
+            reflected: Complex64::ZERO,
+        };
+        for (reflected, share) in diffracted.reflected.into_iter().zip(shares) {
+            added.direct += face * share * reflected;
+            added.reflected += face * (1.0 - share * share).sqrt() * reflected;
+        }
+        Some(Added {
+            direct: added.direct * ends * near,
+            reflected: added.reflected * ends * near,
+        })
+    }
+
+    /// Whether the edge lies on the straight way.
+    pub fn touches_the_straight_way(&self) -> bool {
+        self.length_m - self.source.distance(self.listener) < LEAST_DETOUR_M
+    }
+
+    /// Unit vector from the edge to the straight way.
+    pub fn inwards(&self) -> DVec3 {
+        self.inwards
+    }
+
+    /// The point at which the way bends.
+    pub fn point(&self) -> DVec3 {
+        self.edge.point
+    }
+}
