@@ -34,7 +34,13 @@ const FLAT: [f64; 2] = [0.1, 0.3];
 /// Distance between two edges, times the wave number, at which they count half as two.
 const THIN: f64 = 1.0;
 
-/// Distance over which the curvature across the way is measured, as a share of the radius along it.
+/// Distance over which the curvature of a surface is measured that a way only touches, as a share of the shorter leg.
+const TOUCH: f64 = 1e-3;
+
+/// Angle in radians of a turn that only touches a surface.
+const GRAZING: f64 = 1e-3;
+
+/// Distance over which curvature is measured, as a share of the radius along the way.
 const ACROSS: f64 = 0.03;
 
 /// A way over edges and along curved surfaces.
@@ -83,6 +89,39 @@ impl Bend {
         }
         // The way round a corner, which is not stationary along either edge.
         last
+    }
+
+    /// The way that just touches `edge` on the line from the source, `after_m` metres before its end. `outwards` points
+    /// away from the solid.
+    pub fn grazing(
+        space: &impl Space,
+        source: DVec3,
+        edge: Edge,
+        after_m: f64,
+        outwards: DVec3,
+    ) -> Option<Bend> {
+        let along = (edge.point - source).try_normalize()?;
+        let end = edge.point + along * after_m;
+        let step = TOUCH * source.distance(edge.point).min(after_m);
+        let curvature = curvature(space, edge.point, [along, outwards], step);
+        let radius_m = 1.0 / curvature.max(f64::MIN_POSITIVE);
+        let arc_m = GRAZING * radius_m.min(after_m);
+        let turn = Turn {
+            arc_m,
+            angle: GRAZING,
+            creeping: (GRAZING * GRAZING * arc_m).cbrt(),
+            ..Turn::along(source, &[edge.point], end)
+        };
+        let bend = Bend {
+            points: vec![source, edge.point, end],
+            azimuth: 0.0,
+            outwards,
+            length_m: source.distance(end),
+            turns: vec![turn],
+            edges: vec![edge],
+            brinks: [None; 2],
+        };
+        Some(bend)
     }
 
     /// A string and the lines of its edges, from the string in a half-plane next to its own.
@@ -222,17 +261,13 @@ impl Bend {
     pub fn with_brinks(mut self, space: &impl Space) -> Bend {
         let last = self.points.len() - 1;
         let is_edge = |index: usize| self.turns[index].arc_m == 0.0;
-        let before = is_edge(0)
-            .then(|| Brink::beside(space, &self.edges[0], self.points[2], self.points[0]));
-        let after = is_edge(last - 2).then(|| {
-            Brink::beside(
-                space,
-                &self.edges[last - 2],
-                self.points[last - 2],
-                self.points[last],
-            )
-        });
-        self.brinks = [before.flatten(), after.flatten()];
+        let beside = |index: usize, other: usize, end: usize| {
+            let [other, end] = [other, end].map(|point| self.points[point]);
+            let brink = || Brink::beside(space, &self.edges[index], other, end);
+            is_edge(index).then(brink).flatten()
+        };
+        let brinks = [beside(0, 2, 0), beside(last - 2, last - 2, last)];
+        self.brinks = brinks;
         self
     }
 
@@ -440,11 +475,8 @@ impl Bend {
             return 0.0;
         }
         let along = self.edges[index].along;
-        let outwards = (turn.apex - turn.middle).normalize_or(turn.middle - self.points[0]);
-        let at = |offset: DVec3| space.distance(turn.middle + offset);
-        let slope = (at(outwards * step) - at(-outwards * step)) / (2.0 * step);
-        let second = (at(along * step) + at(-along * step) - 2.0 * at(DVec3::ZERO)) / (step * step);
-        (second / slope.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0 / step)
+        let outwards = (turn.apex - turn.middle).normalize_or(self.outwards);
+        curvature(space, turn.middle, [along, outwards], step)
     }
 
     /// The wedge at a turn: its legs are as long as the string on either side, in the directions of the neighbouring
@@ -512,6 +544,15 @@ fn both(apart: Complex64, merged: Complex64, width: f64, hidden: f64) -> Complex
         true => mean * (1.0 - hidden + hidden * size / mean.norm()),
         false => merged,
     }
+}
+
+/// Curvature of a surface at a point on it along a unit vector, in 1/m, by differences over `step` metres; 0 where it is
+/// hollow. The other unit vector points out of the solid.
+fn curvature(space: &impl Space, point: DVec3, [along, outwards]: [DVec3; 2], step: f64) -> f64 {
+    let at = |offset: DVec3| space.distance(point + offset * step);
+    let slope = (at(outwards) - at(-outwards)) / (2.0 * step);
+    let second = (at(along) + at(-along) - 2.0 * at(DVec3::ZERO)) / (step * step);
+    (second / slope.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0 / step)
 }
 
 /// A smooth step from 0 to 1.

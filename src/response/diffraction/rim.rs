@@ -4,6 +4,7 @@
 //! adds its diffracted pressure, which has the opposite sign to that behind an edge: together with the direct sound the
 //! pressure is continuous at the boundary of the shadow. A plane has no diffracted pressure, and drops out.
 
+use super::bend::Bend;
 use super::edge::Edge;
 use super::ring::{Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
@@ -39,6 +40,8 @@ pub(super) struct Rim {
     /// Unit vector from the edge to the straight way.
     inwards: DVec3,
     pub length_m: f64,
+    /// The way that would just touch the edge.
+    grazing: Option<Bend>,
     own: Vec<Samples>,
     lines: Vec<Samples>,
 }
@@ -76,6 +79,11 @@ impl Rim {
                 continue;
             };
             let samples = basin.samples(&detours);
+            // Beyond a string no edge is near the boundary of the direct sound.
+            rim.grazing = match strings.is_empty() {
+                true => rim.touching(space),
+                false => None,
+            };
             match rims.iter_mut().find(|other| other.is_same(&rim)) {
                 Some(other) => other.own.push(samples),
                 None => {
@@ -132,8 +140,14 @@ impl Rim {
             length_m: source.distance(edge.point) + edge.point.distance(listener),
             edge,
             own: Vec::new(),
+            grazing: None,
             lines: all_samples(&lines),
         }
+    }
+
+    fn touching(&self, space: &impl Space) -> Option<Bend> {
+        let after_m = self.edge.point.distance(self.listener);
+        Bend::grazing(space, self.source, self.edge, after_m, self.inwards)
     }
 
     fn is_same(&self, other: &Rim) -> bool {
@@ -180,17 +194,26 @@ impl Rim {
         let ends = 1.0 + (sum(&self.own) - sum(&self.lines)) / straight;
         let near = (1.0 - (detour_m / MOST_DETOUR_M).powi(2)).max(0.0).powi(2);
         let shares = wedge.shares_of_direct();
-        let mut added = Added {
-            direct: diffracted.direct,
-            reflected: Complex64::ZERO,
-        };
-        for (reflected, share) in diffracted.reflected.into_iter().zip(shares) {
-            added.direct += face * share * reflected;
-            added.reflected += face * (1.0 - share * share).sqrt() * reflected;
+        let mut direct = diffracted.direct;
+        let (mut reflected, mut left) = (Complex64::ZERO, Complex64::ZERO);
+        for (term, share) in diffracted.reflected.into_iter().zip(shares) {
+            reflected += face * share * term;
+            left += face * (1.0 - share * share).sqrt() * term;
         }
+        let mut ratio = Complex64::ONE;
+        if let Some(grazing) = &self.grazing {
+            let round = grazing.most_round(space, k);
+            // Twice the pressure at the boundary of the shadow: an edge halves it.
+            let creeping = 2.0 * grazing.pressure(space, k, &[face])?;
+            ratio = (1.0 - round) + creeping * round;
+            direct = direct * (1.0 - round) - straight * round;
+            reflected *= 1.0 - round;
+            left *= 1.0 - round;
+        }
+        // At the boundary of the shadow the whole pressure is that behind the edge, times the ratio.
         Some(Added {
-            direct: added.direct * ends * near,
-            reflected: added.reflected * ends * near,
+            direct: (direct * (2.0 - ratio) + reflected * ratio) * ends * near,
+            reflected: left * ends * near,
         })
     }
 

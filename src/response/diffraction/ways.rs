@@ -1,7 +1,7 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
-use super::interference::{self, Sound, band_mean, coherence};
 use super::bend::Bend;
+use super::interference::{self, Sound, band_mean, coherence};
 use super::rim::Rim;
 use super::ring::{Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::round::Arc;
