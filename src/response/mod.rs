@@ -163,6 +163,7 @@ impl Response {
             bias,
             counts,
             early,
+            straight,
             travel_on,
         } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
@@ -182,6 +183,10 @@ impl Response {
         part.left_over()
             .filter(|arrival| !is_replaced(arrival))
             .for_each(|arrival| medium.add(&mut echogram, arrival));
+        // An exact path replaces the waves that pass solids in a straight line.
+        if is_hidden && around.is_empty() && through.is_none() {
+            echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
+        }
         let mut paths = all_paths.clone();
         paths.extend(around);
         paths.extend(through);

@@ -1,4 +1,5 @@
-//! Sound that passes through solids on the straight way from the source to the listener.
+//! Sound that passes through solids, on the straight way from the source to the listener and along the waves of the
+//! late part.
 //!
 //! # Method
 //! The line from the source to the listener is cut into its parts in solids, on the distances of the scene
@@ -20,8 +21,9 @@
 //! The thesis has no transmission. R is for random incidence at every angle. The line is not refracted.
 
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
-use crate::geometry::{Chord, ExactScene};
+use crate::geometry::{Chord, ExactScene, SolidsAhead};
 use crate::scene::{Exactness, Scene, Transmission};
+use crate::tracer::{FarEnd, SolidHit};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -49,6 +51,9 @@ const MOST_OBLIQUE: f64 = 1.5;
 /// Share of the energy below which a path through solids is left out: −100 dB. The paths around obstacles and over
 /// reflections in a scene are louder.
 const LEAST_SHARE: f64 = 1e-10;
+
+/// Share of the energy in every band below which no wave of the late part passes a leaf: −40 dB.
+const LEAST_LATE_SHARE: f64 = 1e-4;
 
 /// The sound that passes straight through solids.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +88,35 @@ pub(super) fn through(
         surfaces: chords.iter().map(|chord| chord.surface).collect(),
         points: chords.iter().map(enters).collect(),
     })
+}
+
+/// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side or a solid of it
+/// transmits nothing, and if the share of every band is less than `LEAST_LATE_SHARE`.
+///
+/// The sound that leaves through a wall is part of the absorption of the wall's material. The share is therefore at most
+/// the absorption at either side, so that no energy is created, and both ways have the same share.
+pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Option<FarEnd> {
+    let SolidsAhead { chords, start } = exact.solids_ahead(hit.point, hit.direction)?;
+    let last = chords
+        .iter()
+        .max_by(|a, b| a.leaves_m.total_cmp(&b.leaves_m))?;
+    let passing = Leaf::of(scene, &chords)?.share();
+    let absorption = |surface: u32| {
+        let material = scene.material(surface as usize - 1, None);
+        material.map_or([0.0; BAND_COUNT], |material| material.absorption)
+    };
+    let sides = [hit.surface, last.surface].map(absorption);
+    let share = std::array::from_fn(|band| passing[band].min(sides[0][band]).min(sides[1][band]));
+    let point = start + hit.direction * last.leaves_m;
+    share
+        .iter()
+        .any(|share| *share >= LEAST_LATE_SHARE)
+        .then(|| FarEnd {
+            surface: last.surface,
+            point,
+            length_m: hit.point.distance(point),
+            share,
+        })
 }
 
 /// Groups parts of a line that are in contact, or overlap: gaps up to `contact_m` metres are closed. The parts are in

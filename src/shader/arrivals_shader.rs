@@ -35,6 +35,8 @@ pub(crate) struct ArrivalsText {
     pub has_words: bool,
     /// Whether surfaces scatter.
     pub scatters: bool,
+    /// Whether passages through solids are recorded.
+    pub transmits: bool,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
 }
@@ -62,6 +64,7 @@ impl ArrivalsText {
             event_bits,
             has_words,
             scatters: materials.scatter(),
+            transmits: materials.transmit(),
             rooms: materials.rooms(),
         };
         ArrivalsText {
@@ -127,8 +130,29 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let number = ("number", "number", "waveAt(texel)");
     let (pass, of_order) = text.order.fill(&chunk, number);
     library.extend(of_order);
-    roots.extend([source!("arrivals/flight.glsl"), pass]);
+    let (passing_wave, passage) = match text.transmits {
+        true => {
+            library.extend(parts(source!("arrivals/passages.glsl")));
+            (
+                "\n    passingWave = wave;",
+                source!("template/record_passage.glsl").text,
+            )
+        }
+        false => ("", "".into()),
+    };
+    roots.extend([
+        filled(
+            &source!("arrivals/flight.glsl"),
+            ("passage", passage.trim_end()),
+        ),
+        filled(&pass, ("passing_wave", passing_wave)),
+    ]);
     join(&link(roots, library))
+}
+
+/// A source with one of its placeholders replaced by a text.
+fn filled(source: &Source, text: (&str, &str)) -> Source {
+    Source::new(source.name.clone(), fill(source, &[text]))
 }
 
 /// Returns the source that finds the next surface, whether this source marches fields, and the parts that it calls.

@@ -12,6 +12,10 @@
 //! waves would carry nearly all of the band's energy. Bands with too large a spread are traced with separate waves
 //! ([`band_groups`]).
 //!
+//! Materials whose solids transmit sound have consecutive numbers ([`Materials::transmitting`]), by which the shader
+//! recognises the hits at which a part of a wave may pass a solid. A material on a surface with a far side then differs
+//! from the same material on a surface without one, such as the walls of a room.
+//!
 //! If there are few numbers, those of unrolled surfaces are uniforms, and those of surfaces in cells are in the
 //! directory (`scene_data.rs`). More than [`MOST_IN_UNIFORMS`] numbers are a table in the scene's data. Without the
 //! table the number of uniforms would limit a scene with materials to fewer surfaces than a scene without materials.
@@ -36,9 +40,11 @@ pub struct Materials {
     /// The bands that are traced together.
     bands: Range<usize>,
     /// The distinct materials; those that scatter come first.
-    distinct: Vec<Material>,
+    distinct: Vec<Distinct>,
     /// Number of materials that scatter.
     scattering: usize,
+    /// The places of the materials that transmit.
+    transmitting: Range<usize>,
     /// The number that the shader reads for each surface.
     of_surfaces: Vec<f32>,
     /// The rooms whose walls have different materials, by index, and the numbers of their walls.
@@ -46,9 +52,30 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// The materials of the scene for waves that carry these bands. The result is empty if no surface absorbs or
-    /// scatters.
+    /// The materials of the scene for waves that carry these bands. No solid transmits. The result is empty if no
+    /// surface absorbs or scatters.
     pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
+        Materials::numbered(scene, bands, |_, _| false)
+    }
+
+    /// The same, with the transmission of solids.
+    pub fn with_transmission(scene: &Scene, bands: Range<usize>) -> Materials {
+        let carried = bands.clone();
+        Materials::numbered(scene, bands, move |index, material| {
+            let absorbs = material.absorption[carried.clone()]
+                .iter()
+                .any(|a| *a > 0.0);
+            material.transmission.is_some() && absorbs && has_far_side(scene, index)
+        })
+    }
+
+    /// The materials of the scene; `transmits` returns whether the solid of a surface (counted from 0) transmits if it
+    /// has this material.
+    fn numbered(
+        scene: &Scene,
+        bands: Range<usize>,
+        transmits: impl Fn(usize, &Material) -> bool,
+    ) -> Materials {
         let mut materials = Materials {
             bands: bands.clone(),
             ..Materials::default()
@@ -56,19 +83,31 @@ impl Materials {
         if !scene.has_materials() {
             return materials;
         }
-        materials.distinct = distinct(scene);
-        materials
-            .distinct
-            .sort_by_key(|material| !material.scatters(bands.clone()));
-        let scattering = materials
-            .distinct
-            .iter()
-            .filter(|m| m.scatters(bands.clone()));
-        materials.scattering = scattering.count();
+        let of = |index, wall| {
+            let material = *scene.material(index, wall).unwrap_or(&Material::MIRROR);
+            let transmits = transmits(index, &material);
+            Distinct {
+                material,
+                transmits,
+            }
+        };
+        let scatters = |one: &Distinct| one.material.scatters(bands.clone());
+        materials.distinct = distinct(faces(scene).map(|(index, wall)| of(index, wall)));
+        // Both the materials that scatter and those that transmit are consecutive.
+        let order = |one: &Distinct| match (scatters(one), one.transmits) {
+            (true, transmits) => u8::from(transmits),
+            (false, transmits) => 3 - u8::from(transmits),
+        };
+        materials.distinct.sort_by_key(order);
+        let all = &materials.distinct;
+        let first = all.iter().position(|one| one.transmits).unwrap_or(0);
+        let transmitting = all.iter().filter(|one| one.transmits).count();
+        materials.scattering = all.iter().filter(|one| scatters(one)).count();
+        materials.transmitting = first..first + transmitting;
         let numbers = materials.numbers();
         let number = |index, wall| {
-            let material = scene.material(index, wall).unwrap_or(&Material::MIRROR);
-            numbers.get(&bits_of(material)).copied().unwrap_or(0.0)
+            let key = of(index, wall).bits();
+            numbers.get(&key).copied().unwrap_or(0.0)
         };
         let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
         let of_surfaces: Vec<f32> = of_surfaces.collect();
@@ -94,7 +133,7 @@ impl Materials {
     fn numbers(&self) -> HashMap<MaterialBits, f32> {
         let all = self.distinct.iter().enumerate();
         let number = |place: usize, material| (place + 1) as f32 + 0.5 * self.share(material);
-        all.map(|(place, material)| (bits_of(material), number(place, material)))
+        all.map(|(place, one)| (one.bits(), number(place, &one.material)))
             .collect()
     }
 
@@ -106,6 +145,16 @@ impl Materials {
     /// Whether any material scatters.
     pub fn scatter(&self) -> bool {
         self.scattering > 0
+    }
+
+    /// Whether the solid of any surface transmits.
+    pub fn transmit(&self) -> bool {
+        !self.transmitting.is_empty()
+    }
+
+    /// The materials whose solids transmit: the number before the first of them, and the number of the last one.
+    pub fn transmitting(&self) -> Range<usize> {
+        self.transmitting.clone()
     }
 
     /// Number of distinct materials. This count is added to the number of an event if the wave is scattered.
@@ -176,15 +225,15 @@ impl Materials {
     /// The share of the energy that remains after each event, by the event's number. The values for bands that other
     /// waves carry are meaningless.
     pub fn left(&self) -> Vec<Bands> {
-        let mirrored = self.distinct.iter().map(|material| {
-            self.left_of(material, |scattered, share| match share < 1.0 {
+        let mirrored = self.distinct.iter().map(|one| {
+            self.left_of(&one.material, |scattered, share| match share < 1.0 {
                 true => (1.0 - scattered) / (1.0 - share),
                 false => 0.0,
             })
         });
         let scattered = self.distinct[..self.scattering]
             .iter()
-            .map(|material| self.left_of(material, |scattered, share| scattered / share));
+            .map(|one| self.left_of(&one.material, |scattered, share| scattered / share));
         let nothing_lost = std::iter::once([1.0; BAND_COUNT]);
         nothing_lost.chain(mirrored).chain(scattered).collect()
     }
@@ -216,28 +265,52 @@ impl Materials {
     }
 }
 
-/// A material as the key of a map: absorption and scattering, bit for bit.
-type MaterialBits = [[u64; BAND_COUNT]; 2];
-
-fn bits_of(material: &Material) -> MaterialBits {
-    // The addition turns −0 into 0.
-    [&material.absorption, &material.scattering].map(|bands| bands.map(|of| (of + 0.0).to_bits()))
+/// A material, and whether the solids of its surfaces transmit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Distinct {
+    material: Material,
+    transmits: bool,
 }
 
-/// The distinct materials except perfect mirrors, in the order in which they first occur on surfaces.
-fn distinct(scene: &Scene) -> Vec<Material> {
+/// A material as the key of a map: absorption and scattering, bit for bit, and whether its solids transmit.
+type MaterialBits = ([[u64; BAND_COUNT]; 2], bool);
+
+impl Distinct {
+    fn bits(&self) -> MaterialBits {
+        let Material {
+            absorption,
+            scattering,
+            ..
+        } = &self.material;
+        // The addition turns −0 into 0.
+        let bits = |bands: &Bands| bands.map(|of| (of + 0.0).to_bits());
+        ([absorption, scattering].map(bits), self.transmits)
+    }
+}
+
+/// The distinct materials except perfect mirrors, in the order in which they first occur.
+fn distinct(all: impl Iterator<Item = Distinct>) -> Vec<Distinct> {
     let mut known = HashSet::new();
-    let met = materials_met(scene).filter(|material| !material.is_mirror());
-    met.filter(|material| known.insert(bits_of(material)))
-        .copied()
-        .collect()
+    let met = all.filter(|one| !one.material.is_mirror());
+    met.filter(|one| known.insert(one.bits())).collect()
+}
+
+/// Whether a line that enters the solid of a surface (counted from 0) can leave it again. The solids of rooms, planes
+/// and half-spaces have no far side. Other unbounded solids are treated like bounded ones.
+fn has_far_side(scene: &Scene, index: usize) -> bool {
+    let node = &scene.surfaces[index].shape.node;
+    !matches!(node, Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_))
+}
+
+/// All surfaces by their index, and instead of each room its walls.
+fn faces(scene: &Scene) -> impl Iterator<Item = (usize, Option<usize>)> {
+    let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
+    (0..scene.surfaces.len()).flat_map(of_surface)
 }
 
 /// The materials of all surfaces and walls, with repetitions. For a room these are the materials of its walls.
 pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
-    let all = (0..scene.surfaces.len()).flat_map(of_surface);
-    all.map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
+    faces(scene).map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
 }
 
 /// The walls of a room, or `None` for any other surface as a whole.

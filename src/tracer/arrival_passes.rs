@@ -1,8 +1,9 @@
 //! The passes that trace arrivals: waves that pass a transparent listener.
 
 use super::arrivals::{
-    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
-    Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LEAST_GENERATION,
+    LISTED_AT_MOST, Listed, PASSAGE_SHARE, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK,
+    WavesToFollow, kept, listed_rows, loudest, open_volume, thinned,
 };
 use super::gpu_scene::check_uniforms;
 use super::prepared::{FramePrograms, PreparedFrame};
@@ -15,9 +16,11 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
+use crate::sampling::hash;
 use crate::scene::{IntoPair, Pair, Scene};
 use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
-use glam::Vec4;
+use glam::{DVec3, Vec3, Vec4};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -58,6 +61,52 @@ struct Part {
     first_iteration: u32,
     iterations: u32,
     rows: Range<u32>,
+}
+
+/// The waves of a block.
+enum Waves<'a> {
+    /// Waves with these numbers, and their starts, unless the settings determine them.
+    FromSource(Range<u32>, Option<&'a [Start]>),
+    /// Waves that continue passages of a generation, from 1, and the number of the first of them.
+    Passages(&'a [Passage], u32, u32),
+}
+
+impl Waves<'_> {
+    fn count(&self) -> u32 {
+        match self {
+            Waves::FromSource(numbers, _) => numbers.len() as u32,
+            Waves::Passages(passages, ..) => passages.len() as u32,
+        }
+    }
+
+    /// Number of the first wave.
+    fn first(&self) -> u32 {
+        match self {
+            Waves::FromSource(numbers, _) => numbers.start,
+            Waves::Passages(.., first) => *first,
+        }
+    }
+
+    /// Whether textures contain the starts.
+    fn are_uploaded(&self) -> bool {
+        matches!(self, Waves::FromSource(_, Some(_)) | Waves::Passages(..))
+    }
+
+    /// The generation; 0 for waves from the source.
+    fn generation(&self) -> u32 {
+        match self {
+            Waves::FromSource(..) => 0,
+            Waves::Passages(_, generation, _) => *generation,
+        }
+    }
+}
+
+impl Run {
+    /// The seed of random numbers for passages of a generation and a block.
+    fn passage_seed(&self, generation: u32, block: u32) -> u64 {
+        let which = u64::from(generation) << 32 | u64::from(block);
+        hash(hash(which).wrapping_add(self.frame.settings.seed.into()))
+    }
 }
 
 impl Part {
@@ -130,23 +179,50 @@ impl Tracer {
         waves: &WavesToFollow,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<Followed, Error> {
+        self.arrivals_through(pair, settings, how, waves, take, None)
+    }
+
+    /// Follows waves like [`arrivals_of`](Self::arrivals_of), and then the parts of their energy that pass solids. The
+    /// counts are those of the waves from the source.
+    pub(crate) fn arrivals_through(
+        &mut self,
+        pair: Pair,
+        settings: &Settings,
+        how: &ArrivalSettings,
+        waves: &WavesToFollow,
+        take: &mut dyn FnMut(Arrival),
+        transmitting: Option<Transmitting>,
+    ) -> Result<Followed, Error> {
         let settings = match waves {
             WavesToFollow::Numbers(_) => settings.clone(),
             WavesToFollow::Starts { waves, .. } => settings.clone().with_waves(*waves),
         };
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            let run = tracer.prepare_arrivals(pair, &settings, how)?;
+            let materials = match &transmitting {
+                None => Materials::of(pair.scene, how.bands.clone()),
+                Some(_) => Materials::with_transmission(pair.scene, how.bands.clone()),
+            };
+            let run = tracer.prepare_arrivals(pair, &settings, how, materials)?;
             let mut counts = ArrivalCounts {
                 open_volume_m3: run.open_volume_m3,
                 ..ArrivalCounts::default()
             };
-            let mut cut_off_m = Vec::new();
+            let (mut cut_off_m, mut passages) = (Vec::new(), Vec::new());
             for numbers in waves.blocks(WAVES_IN_BLOCK) {
                 let starts = waves.starts(&numbers);
-                let starts = starts.as_deref();
-                let block = tracer.arrivals_of_block(&run, numbers, starts, &mut counts, take)?;
+                let waves = Waves::FromSource(numbers.clone(), starts.as_deref());
+                let mut of_block = Vec::new();
+                let (block, arrivals) =
+                    tracer.arrivals_of_block(&run, waves, &mut of_block, take)?;
+                block.count(&mut counts);
+                counts.arrivals += arrivals;
                 cut_off_m.extend(block.cut_off_m());
+                let most = kept(numbers.len() as u32, 1);
+                passages.extend(thinned(of_block, most, run.passage_seed(1, numbers.start)));
+            }
+            if let Some(transmitting) = transmitting {
+                tracer.arrivals_of_passages(&run, passages, transmitting)?;
             }
             let waves = f64::from(settings.waves);
             counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
@@ -159,6 +235,7 @@ impl Tracer {
         pair: Pair,
         settings: &Settings,
         how: &ArrivalSettings,
+        materials: Materials,
     ) -> Result<Run, Error> {
         let scene = pair.scene;
         let profile = settings.profile();
@@ -169,7 +246,6 @@ impl Tracer {
         how.validate()?;
         let mut settings = settings.clone().with_count_evaluations(false);
         settings.algorithm = Algorithm::of(profile);
-        let materials = Materials::of(scene, how.bands.clone());
         let asked = loops_asked(&settings);
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let order = start_order(scene, &settings);
@@ -203,7 +279,13 @@ impl Tracer {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
             order,
-            replay: replay(pair, &settings, how, (materials, open_volume_m3)),
+            replay: replay(
+                pair,
+                &settings,
+                how,
+                (materials, open_volume_m3),
+                frame.origin,
+            ),
             open_volume_m3,
             iterations: how.iterations,
             least_energy: how.least_energy,
@@ -230,44 +312,66 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows the waves of a block through all their chunks. While one chunk is drawn, the previous chunk is summed.
+    /// Follows passages of waves, their passages, and so on, until their energy is negligible.
+    fn arrivals_of_passages(
+        &mut self,
+        run: &Run,
+        mut passages: Vec<Passage>,
+        transmitting: Transmitting,
+    ) -> Result<(), Error> {
+        let Transmitting { through, take } = transmitting;
+        let waves = run.frame.settings.waves;
+        let least = LEAST_GENERATION * f64::from(waves);
+        for generation in 1.. {
+            let behind = passages.par_iter().filter_map(|one| one.behind(through));
+            let behind: Vec<Passage> = behind.collect();
+            if loudest(&behind) <= least {
+                break;
+            }
+            let most = kept(waves, generation + 1);
+            passages = Vec::new();
+            let mut first = 0;
+            for block in behind.chunks(waves.min(WAVES_IN_BLOCK) as usize) {
+                let of_block = Waves::Passages(block, generation, first);
+                let mut further = Vec::new();
+                self.arrivals_of_block(run, of_block, &mut further, take)?;
+                let most = most * block.len() / behind.len();
+                let seed = run.passage_seed(generation + 1, first);
+                passages.extend(thinned(further, most.max(1), seed));
+                first += block.len() as u32;
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows the waves of a block through all their chunks, and returns the number of their arrivals. While one chunk
+    /// is drawn, the previous chunk is summed.
     fn arrivals_of_block(
         &mut self,
         run: &Run,
-        numbers: Range<u32>,
-        starts: Option<&[Start]>,
-        counts: &mut ArrivalCounts,
+        waves: Waves,
+        passages: &mut Vec<Passage>,
         take: &mut dyn FnMut(Arrival),
-    ) -> Result<Block, Error> {
+    ) -> Result<(Block, u64), Error> {
         let Some(mut targets) = self.arrival_targets.take() else {
             return Err(TraceError::NothingTraced.into());
         };
         let grid = Grid {
-            waves: numbers.len() as u32,
+            waves: waves.count(),
             ..targets.grid
         };
-        let Settings {
-            directions,
-            seed,
-            waves,
-            ..
-        } = run.frame.settings;
-        let of_settings = Starts::new(directions, seed, waves, numbers.clone());
-        let order = targets.sort_starts(&self.context, (grid, run.order), (of_settings, starts))?;
-        if let Some(starts) = starts {
-            targets.upload_starts(run.frame.start(), starts)?;
-        }
-        let energies = start_energies(run, starts, numbers.len());
-        let mut block = Block::new(numbers.start, (grid, order), energies);
+        let mut block = self.start_block(run, &mut targets, grid, &waves)?;
         let mut part = Part {
-            first_wave: numbers.start,
-            is_uploaded: starts.is_some(),
+            first_wave: waves.first(),
+            is_uploaded: waves.are_uploaded(),
             first_iteration: 0,
             iterations: run.iterations_in_chunk.min(run.iterations),
             rows: 0..grid.waves.div_ceil(grid.width),
         };
         self.set_arrival_uniforms(run, grid);
+        self.set_passage_uniforms(run, waves.generation());
         self.draw_chunk(run, &targets, &part)?;
+        let mut arrivals = 0;
         loop {
             targets.read(part.rows.end)?;
             block.rows = part.rows.clone();
@@ -279,7 +383,7 @@ impl Tracer {
                 self.draw_chunk(run, &targets, next)?;
             }
             let chunk = targets.chunk(&listed, part.iterations);
-            counts.arrivals += block.replay(&run.replay, &chunk, take);
+            arrivals += block.replay(&run.replay, &chunk, passages, take);
             match next {
                 // If no energy is left, the chunk that is being drawn is not read.
                 Some(next) if block.has_energy(run.least_energy) => part = next,
@@ -290,9 +394,70 @@ impl Tracer {
                 None => break,
             }
         }
-        block.count(counts);
         self.arrival_targets = Some(targets);
-        Ok(block)
+        Ok((block, arrivals))
+    }
+
+    /// Sorts and uploads the starts of a block.
+    fn start_block(
+        &self,
+        run: &Run,
+        targets: &mut ArrivalTargets,
+        grid: Grid,
+        waves: &Waves,
+    ) -> Result<Block, Error> {
+        let Settings {
+            directions,
+            seed,
+            waves: of,
+            ..
+        } = run.frame.settings;
+        let (context, grid_and_order) = (&self.context, (grid, run.order));
+        let (numbers, given) = match waves {
+            Waves::FromSource(numbers, starts) => (numbers.clone(), starts.map(<[Start]>::to_vec)),
+            Waves::Passages(passages, ..) => {
+                let start = |passage: &Passage| Start {
+                    direction: passage.direction,
+                    weight: 1.0,
+                };
+                (0..0, Some(passages.iter().map(start).collect()))
+            }
+        };
+        let of_settings = Starts::new(directions, seed, of, numbers);
+        let order =
+            targets.sort_starts(context, grid_and_order, (of_settings, given.as_deref()))?;
+        match waves {
+            Waves::FromSource(numbers, starts) => {
+                if let Some(starts) = starts {
+                    targets.upload_starts(run.frame.start(), starts)?;
+                }
+                let energies = start_energies(run, *starts, numbers.len());
+                Ok(Block::new(numbers.start, (grid, order), energies))
+            }
+            Waves::Passages(passages, ..) => {
+                let local = |point: DVec3| (point - run.replay.origin).as_vec3();
+                targets.upload_passages(passages, local)?;
+                Ok(Block::of_passages((grid, order), passages))
+            }
+        }
+    }
+
+    /// Sets the uniforms of passages. Each generation (0: the waves from the source) has its own random numbers.
+    fn set_passage_uniforms(&self, run: &Run, generation: u32) {
+        let Some(events) = &run.replay.events else {
+            return;
+        };
+        let (program, transmitting) = (&run.program, events.materials().transmitting());
+        if transmitting.is_empty() {
+            return;
+        }
+        let numbers = [transmitting.start, transmitting.end].map(|number| number as f32);
+        program.set_vec2("uPassing", numbers.into());
+        program.set_f32("uPassageShare", PASSAGE_SHARE as f32);
+        program.set_u32("uPassageSeed", run.passage_seed(generation, 0) as u32);
+        if generation > 0 {
+            program.set_u32("uSeed", (run.passage_seed(generation, 0) >> 32) as u32);
+        }
     }
 
     fn set_arrival_uniforms(&self, run: &Run, grid: Grid) {
@@ -369,6 +534,7 @@ impl Tracer {
         let is_start = part.first_iteration == 0 && !part.is_uploaded;
         program.set_i32("uIsStart", i32::from(is_start));
         program.set_u32("uStartIteration", part.first_iteration);
+        program.set_u32("uIterationsBefore", part.first_iteration);
         program.set_u32("uFirstWave", part.first_wave);
         program.set_i32("uIterationsInChunk", part.iterations as i32);
         let evaluations = run.frame.evaluations(&self.context, part.iterations);
@@ -429,6 +595,7 @@ fn replay(
     settings: &Settings,
     how: &ArrivalSettings,
     (of, volume): (Materials, f64),
+    origin: Vec3,
 ) -> Replay {
     let density = match volume > 0.0 {
         true => 1.0 / (volume * f64::from(settings.waves)),
@@ -440,5 +607,6 @@ fn replay(
         chord_unit: 4.0 * f64::from(pair.listener.radius),
         density,
         events: EventTable::of(of),
+        origin: origin.as_dvec3(),
     }
 }
