@@ -187,14 +187,14 @@ impl ResponseSettings {
         self.diffraction && self.trace.profile() != Profile::Thesis
     }
 
-    /// Sets whether sound passes straight through solids that hide the source from the listener.
+    /// Sets whether sound passes through solids whose materials transmit sound.
     #[must_use]
     pub fn with_transmission(mut self, transmission: bool) -> ResponseSettings {
         self.transmission = transmission;
         self
     }
 
-    /// Whether responses have transmitted paths.
+    /// Whether sound passes solids.
     pub(super) fn transmits(&self) -> bool {
         self.transmission && self.trace.profile() != Profile::Thesis
     }
@@ -221,7 +221,7 @@ impl ResponseSettings {
         self.validate()?;
         match self.seconds {
             Some(seconds) => Ok(seconds),
-            None => duration::needed(tracer, pair, &self.trace, self.longest_s),
+            None => duration::needed(tracer, pair, self),
         }
     }
 

@@ -20,9 +20,11 @@
 //! # Deviations
 //! The thesis has no transmission. R is for random incidence at every angle. The line is not refracted.
 
+use super::ResponseSettings;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::error::Error;
 use crate::geometry::{Chord, ExactScene, SolidsAhead};
-use crate::scene::{Exactness, Scene, Transmission};
+use crate::scene::{Exactness, Pair, Scene, Transmission};
 use crate::tracer::{FarEnd, SolidHit};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -88,6 +90,14 @@ pub(super) fn through(
         surfaces: chords.iter().map(|chord| chord.surface).collect(),
         points: chords.iter().map(enters).collect(),
     })
+}
+
+/// The solids that waves of the late part may pass; `None` without transmission.
+pub(super) fn solids(pair: Pair, settings: &ResponseSettings) -> Result<Option<ExactScene>, Error> {
+    match settings.transmits() {
+        true => Ok(Some(ExactScene::new(pair)?)),
+        false => Ok(None),
+    }
 }
 
 /// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side or a solid of it
@@ -279,5 +289,7 @@ fn decibels(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
+#[cfg(test)]
+mod late_tests;
 #[cfg(test)]
 mod tests;

@@ -326,3 +326,44 @@ fn in_cells(text: &Text) -> String {
     let others = text.not_unrolled();
     format!("    if (object > 0.0{others}) {{\n        material = entryOf(object).w;\n    }}\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bands::BAND_COUNT;
+    use crate::scene::Surface;
+    use crate::scene::shape::Cuboid;
+    use glam::Vec3;
+
+    /// Protects the speed of scenes without transmission: their shader has no text for passages.
+    #[test]
+    fn only_shaders_of_solids_that_transmit_record_passages() {
+        let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
+        let glass = scene.surfaces.len();
+        let size = Vec3::ONE;
+        scene.surfaces.push(Surface::new(Cuboid { size }));
+        scene.surfaces[0].material = Some("concrete".to_owned());
+        scene.surfaces[glass].material = Some("glass".to_owned());
+        let text = |scene: &Scene, materials: &Materials| {
+            let structure = AlgorithmText::Hybrid.structure(scene);
+            let start = (
+                AlgorithmText::Hybrid,
+                Directions::Random,
+                StartOrderText::ByNumber,
+            );
+            arrivals_text(
+                scene,
+                &structure,
+                &ArrivalsText::new(start, materials, 4, 8),
+            )
+        };
+        let silent = text(&scene, &Materials::of(&scene, 0..BAND_COUNT));
+        let transmitting = Materials::with_transmission(&scene, 0..BAND_COUNT);
+        assert!(text(&scene, &transmitting).contains("isPassage"));
+        assert!(!silent.contains("assage") && !silent.contains("passing"));
+        assert!(!silent.contains('@'));
+        scene.surfaces[glass].material = Some("brick".to_owned());
+        let brick = Materials::with_transmission(&scene, 0..BAND_COUNT);
+        assert!(!brick.transmit() && text(&scene, &brick) == silent);
+    }
+}

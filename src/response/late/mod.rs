@@ -79,17 +79,14 @@ pub(super) fn arrivals(
         early: Vec::new(),
         travel_on: None,
     };
-    let solids = match settings.transmits() {
-        true => Some(ExactScene::new(heard_in.0)?),
-        false => None,
-    };
+    let solids = transmission::solids(heard_in.0, settings)?;
     for bands in shader::band_groups(heard_in.0.scene) {
         let how = how
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
-        let solids = solids.as_ref();
-        let counts = add_arrivals(&mut found, tracer, (heard_in, solids), settings, &how)?;
+        let heard_in = (heard_in, solids.as_ref());
+        let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
         found.counts = found.counts.and(counts);
         // The arrivals come in chunks of iterations for each band group in turn.
         found.early.sort_by(in_order);
