@@ -123,7 +123,8 @@ pub struct Response {
     #[serde(serialize_with = "finite")]
     pub followed_s: Option<f64>,
     /// Fates of the waves. If late arrivals are counted in a sphere larger than the listener, or with fewer waves,
-    /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling are not counted.
+    /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling, and waves behind solids,
+    /// are not counted.
     pub counts: ArrivalCounts,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,

@@ -128,7 +128,8 @@ impl Tracer {
     /// Follows waves past the listener, which does not stop them, and passes every crossing of the listener's sphere to
     /// `take`. The crossings are in the order of the waves, for 262,144 waves and a number of iterations at a time. The
     /// same input gives the same arrivals, bit for bit on one renderer. If bands scatter differently, the waves are
-    /// followed once for each group of bands that scatter alike. The energies of all other bands are then 0.
+    /// followed once for each group of bands that scatter alike. The energies of all other bands are then 0. No wave
+    /// passes a solid.
     ///
     /// From `settings`, only the algorithm, the waves, the seed, the directions and the maximum distance are used.
     /// `how` determines the distance for which waves are followed. `take` must not call OpenGL.
