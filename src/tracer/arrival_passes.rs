@@ -3,7 +3,7 @@
 use super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LEAST_GENERATION,
     LISTED_AT_MOST, Listed, PASSAGE_SHARE, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK,
-    WavesToFollow, kept, listed_rows, loudest, open_volume, thinned,
+    WavesToFollow, kept, kept_beside_waves, listed_rows, loudest, open_volume, thinned,
 };
 use super::gpu_scene::check_uniforms;
 use super::prepared::{FramePrograms, PreparedFrame};
@@ -223,7 +223,8 @@ impl Tracer {
                 passages.extend(thinned(of_block, most, run.passage_seed(1, numbers.start)));
             }
             if let Some(transmitting) = transmitting {
-                tracer.arrivals_of_passages(&run, passages, transmitting)?;
+                let are_heard = counts.arrivals > 0;
+                tracer.arrivals_of_passages(&run, (passages, are_heard), transmitting)?;
             }
             let waves = f64::from(settings.waves);
             counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
@@ -313,11 +314,12 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows passages of waves, their passages, and so on, until their energy is negligible.
+    /// Follows passages of waves, their passages, and so on, until their energy is negligible. `are_heard` states whether
+    /// waves from the source arrived.
     fn arrivals_of_passages(
         &mut self,
         run: &Run,
-        mut passages: Vec<Passage>,
+        (mut passages, are_heard): (Vec<Passage>, bool),
         transmitting: Transmitting,
     ) -> Result<(), Error> {
         let Transmitting { through, take } = transmitting;
@@ -325,9 +327,14 @@ impl Tracer {
         let least = LEAST_GENERATION * f64::from(waves);
         for generation in 1.. {
             let behind = passages.par_iter().filter_map(|one| one.behind(through));
-            let behind: Vec<Passage> = behind.collect();
-            if loudest(&behind) <= least {
+            let mut behind: Vec<Passage> = behind.collect();
+            let energy = loudest(&behind);
+            if energy <= least {
                 break;
+            }
+            if are_heard {
+                let most = kept_beside_waves(waves, generation, energy / f64::from(waves));
+                behind = thinned(behind, most, !run.passage_seed(generation, 0));
             }
             let most = kept(waves, generation + 1);
             passages = Vec::new();

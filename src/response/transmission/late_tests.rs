@@ -88,7 +88,16 @@ fn coupled_rooms_have_the_energies_of_the_balance_of_powers() {
             .distance(first.listeners[0].position);
         let expected = 4.0 / (area - through * through / area);
         let direct = 1.0 / (4.0 * PI * f64::from(apart).powi(2));
-        let found = [first, scene].map(|scene| respond(&scene, 2.0).energy()[4]);
+        let found = [first, scene].map(|scene| respond(&scene, 2.0));
+        println!(
+            "{:?} ms",
+            found.each_ref().map(|response| response.milliseconds)
+        );
+        for response in &found {
+            let figures = &response.figures;
+            println!("{:?} {:?}", figures.bands[4].t30_s, figures.errors[4].g_db);
+        }
+        let found = found.map(|response| response.energy()[4]);
         // The reverberation begins after the first reflection.
         let off_db = [
             db(found[0] / (expected * (1.0 - absorption) + direct)),
@@ -295,6 +304,10 @@ fn transmission_leaves_the_waves_of_the_first_room_as_they_are() {
         Response::trace(&mut tracer, &scene, &settings).expect("a response")
     };
     let (with, again, without) = (traced(true), traced(true), traced(false));
+    println!(
+        "with {} ms, without {} ms",
+        again.milliseconds, without.milliseconds
+    );
     assert_eq!(with.echogram, again.echogram);
     assert_eq!(with.paths, without.paths);
     assert_eq!(with.counts, without.counts);

@@ -26,7 +26,9 @@ mod volume;
 
 pub(super) use events::EventTable;
 pub(crate) use passages::{FarEnd, SolidHit, Transmitting};
-pub(super) use passages::{LEAST_GENERATION, PASSAGE_SHARE, Passage, kept, loudest, thinned};
+pub(super) use passages::{
+    LEAST_GENERATION, PASSAGE_SHARE, Passage, kept, kept_beside_waves, loudest, thinned,
+};
 pub(super) use replay::{Block, Listed, Replay};
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use settings::{Followed, Start, WavesToFollow};

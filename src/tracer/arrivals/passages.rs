@@ -26,6 +26,13 @@ pub const LEAST_GENERATION: f64 = 1e-10;
 /// Minimum number of passages of a generation that are kept: 6 % error of their energy.
 const FEWEST_KEPT: u32 = 256;
 
+/// The share of passages that are drawn evenly. These passages carry the end of a decay, and all others its level.
+const EVEN_SHARE: f64 = 0.35;
+
+/// Passages that are kept if waves from the source arrive, in units of the number of waves and the root of the energy
+/// share of the passages. Passages of little energy then change little at the listener.
+const KEPT_BESIDE_WAVES: f64 = 2.0;
+
 /// A hit of a solid by a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolidHit {
@@ -107,30 +114,57 @@ pub(crate) fn kept(waves: u32, generation: u32) -> usize {
     (waves.checked_shr(generation - 1).unwrap_or(0)).max(fewest) as usize
 }
 
-/// Keeps at most `most` of the passages, and scales their energies up by the ratio of the numbers. One passage is drawn
-/// from each of `most` consecutive parts of equal size. A passage at the boundary of two parts may be drawn twice.
-pub(crate) fn thinned(mut passages: Vec<Passage>, most: usize, seed: u64) -> Vec<Passage> {
-    let every = passages.len() as f64 / most as f64;
-    if every <= 1.0 {
+/// Maximum number of passages of a generation that are kept if waves from the source arrive, and if the passages have
+/// this share of the energy of these waves.
+pub(crate) fn kept_beside_waves(waves: u32, generation: u32, share: f64) -> usize {
+    let by_energy = KEPT_BESIDE_WAVES * share.sqrt() * f64::from(waves);
+    (by_energy as usize).clamp(FEWEST_KEPT.min(waves) as usize, kept(waves, generation))
+}
+
+/// Draws `most` of more passages, and weights their energies by the inverse of the probability of each draw. The
+/// probability is a mixture of even draws and of draws by energy, averaged over the bands. Passages with more energy may
+/// be drawn several times. The draws are spread over the passages in their order.
+pub(crate) fn thinned(passages: Vec<Passage>, most: usize, seed: u64) -> Vec<Passage> {
+    if passages.len() <= most {
         return passages;
     }
+    let sums = sums(&passages);
+    let carried = sums.iter().filter(|sum| **sum > 0.0).count().max(1) as f64;
+    let evenly = EVEN_SHARE / passages.len() as f64;
+    let probability = |passage: &Passage| {
+        let bands = passage.energy.iter().zip(&sums);
+        let share = |(energy, sum): (&f32, &f64)| f64::from(*energy) / sum.max(f64::MIN_POSITIVE);
+        evenly + (1.0 - EVEN_SHARE) * bands.map(share).sum::<f64>() / carried
+    };
+    let mut sum = 0.0;
+    let cumulative: Vec<f64> = passages
+        .iter()
+        .map(|passage| {
+            sum += probability(passage);
+            sum
+        })
+        .collect();
     let stream = hash(seed);
-    for part in 0..most {
-        let place = part as f64 + unit_interval(hash(stream.wrapping_add(part as u64)));
-        let mut drawn = passages[((place * every) as usize).min(passages.len() - 1)];
-        drawn.energy = drawn.energy.map(|energy| energy * every as f32);
-        // A part never begins before its own number, so that the places still to be drawn from are unchanged.
-        passages[part] = drawn;
-    }
-    passages.truncate(most);
-    passages
+    let draw = |number: usize| {
+        let random = unit_interval(hash(stream.wrapping_add(number as u64)));
+        let until = (number as f64 + random) / most as f64 * sum;
+        let index = cumulative.partition_point(|sum| *sum <= until);
+        let mut drawn = passages[index.min(passages.len() - 1)];
+        let weight = sum / (most as f64 * probability(&drawn));
+        drawn.energy = drawn.energy.map(|energy| energy * weight as f32);
+        drawn
+    };
+    (0..most).map(draw).collect()
+}
+
+/// The energies of passages by band.
+fn sums(passages: &[Passage]) -> [f64; BAND_COUNT] {
+    std::array::from_fn(|band| passages.iter().map(|one| f64::from(one.energy[band])).sum())
 }
 
 /// The energy of passages, in the band with the most.
 pub(crate) fn loudest(passages: &[Passage]) -> f64 {
-    let sum = |band: usize| passages.iter().map(|one| f64::from(one.energy[band])).sum();
-    let sums: [f64; BAND_COUNT] = std::array::from_fn(sum);
-    sums.into_iter().fold(0.0, f64::max)
+    sums(passages).into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -159,10 +193,25 @@ mod tests {
             let few = thinned(all.clone(), most, 7);
             assert_eq!(few.len(), most);
             assert!(few.windows(2).all(|two| two[0].wave <= two[1].wave));
-            // Within a part the energy varies by 1/most, and over all by a factor of 2.
+            // Each draw is from 1/most of the passages. Over all of them, energy / probability varies by a quarter.
             let ratio = loudest(&few) / loudest(&all);
             assert!((ratio - 1.0).abs() < 1.0 / most as f64, "{most}: {ratio}");
         }
+    }
+
+    /// Protects levels from noise if most passages have little energy: the loud ones are drawn more often.
+    #[test]
+    fn loud_passages_are_drawn_more_often() {
+        let mut all = passages(10_000);
+        for passage in &mut all {
+            if passage.wave % 100 != 7 {
+                passage.energy = [1e-6; BAND_COUNT];
+            }
+        }
+        let few = thinned(all.clone(), 1000, 3);
+        let loud = few.iter().filter(|passage| passage.wave % 100 == 7);
+        assert!(loud.count() > 600);
+        assert!((loudest(&few) / loudest(&all) - 1.0).abs() < 0.02);
     }
 
     /// Protects the time of a response from passages of passages.
@@ -171,5 +220,10 @@ mod tests {
         assert_eq!([1, 2, 3].map(|g| kept(4096, g)), [4096, 2048, 1024]);
         assert_eq!([20, 90].map(|g| kept(4096, g)), [256, 256]);
         assert_eq!(kept(16, 3), 16);
+        assert_eq!(
+            [1.0, 0.01, 1e-9].map(|s| kept_beside_waves(4096, 1, s)),
+            [4096, 819, 256]
+        );
+        assert_eq!(kept_beside_waves(16, 4, 0.1), 16);
     }
 }

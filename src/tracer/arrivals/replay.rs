@@ -250,12 +250,8 @@ impl Block {
                 self.suffer(wave, events.as_mut(), iteration);
                 if here[1].abs().fract() > MOST_CHORD {
                     if crossing < crossings {
-                        passages.push(self.passage(
-                            with,
-                            wave,
-                            iteration,
-                            [here, record(crossing)],
-                        ));
+                        let records = [here, record(crossing)];
+                        passages.extend(self.passage(with, wave, iteration, records));
                     }
                     crossing += 1;
                     continue;
@@ -312,20 +308,32 @@ impl Block {
         })
     }
 
-    /// The recorded passage: a record like that of a crossing, and the place.
-    fn passage(&self, with: &Replay, wave: u32, iteration: u32, records: [&[f32]; 2]) -> Passage {
+    /// The recorded passage: a record like that of a crossing, and the place. `None` if the passage is beyond the
+    /// distance limit or has no energy.
+    fn passage(
+        &self,
+        with: &Replay,
+        wave: u32,
+        iteration: u32,
+        records: [&[f32]; 2],
+    ) -> Option<Passage> {
         let [way, place] = records;
+        let length_m = self.waves[wave as usize].length + f64::from(way[0]);
+        let energy = self.energy(wave as usize);
+        if length_m > with.length_limit || energy == [0.0; BAND_COUNT] {
+            return None;
+        }
         let local = DVec3::new(place[0].into(), place[1].into(), place[2].into());
         let before = self.before(wave);
-        Passage {
+        Some(Passage {
             wave: before.wave,
             surface: place[3] as u32,
             reflections: before.reflections + self.iterations + iteration,
             point: with.origin + local,
             direction: direction(way).as_vec3(),
-            length_m: self.waves[wave as usize].length + f64::from(way[0]),
-            energy: self.energy(wave as usize).map(|energy| energy as f32),
-        }
+            length_m,
+            energy: energy.map(|energy| energy as f32),
+        })
     }
 
     /// The wave from the source, and its reflections before it became this wave.
