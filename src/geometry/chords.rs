@@ -33,7 +33,10 @@ pub(crate) struct Chord {
     pub cosines: [f64; 2],
 }
 
-/// The part of a wave's line that lies in solids in contact.
+/// Half the step of the difference quotients of a normal, as a share of the scene's extent.
+const NORMAL_STEP: f64 = 1e-7;
+
+/// The part of a line that lies in solids in contact.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SolidsAhead {
     /// Parts of the line in solids, by their start. Distances are measured from `start`.
@@ -42,7 +45,7 @@ pub(crate) struct SolidsAhead {
     pub start: DVec3,
 }
 
-/// The longest way through solids that a wave may have, in metres: the thickest solid whose sound reduction index can
+/// The longest way through solids in metres: the thickest solid whose sound reduction index can
 /// be stated.
 const LONGEST: f64 = 100.0;
 
@@ -55,8 +58,8 @@ const BEFORE_HIT: f64 = 1e-6;
 const CONTACT: f64 = 1e-6;
 
 impl ExactScene {
-    /// The solids in contact through which a wave in this direction would pass from a point of a surface. `None` if it
-    /// does not enter a solid there, or a solid has no far side.
+    /// The solids in contact that a line in this direction passes from a point of a surface. `None` if it does not enter a
+    /// solid there, or a solid has no far side.
     pub(crate) fn solids_ahead(&self, point: DVec3, direction: DVec3) -> Option<SolidsAhead> {
         let extent = self.error_bound / ROUNDING;
         let start = point - direction * (BEFORE_HIT * extent);
@@ -90,6 +93,13 @@ impl ExactScene {
         (!chords.is_empty()).then_some(SolidsAhead { chords, start })
     }
 
+    /// The unit normal of a surface (numbered from 1) at a point, from the solid into the air; `None` where the distance
+    /// has no gradient.
+    pub(crate) fn outward(&self, surface: u32, point: DVec3) -> Option<DVec3> {
+        let placed = self.surfaces.get((surface as usize).checked_sub(1)?)?;
+        gradient(placed, point, NORMAL_STEP * self.error_bound / ROUNDING).try_normalize()
+    }
+
     /// The indices of the surfaces that a line may meet within `reach` metres.
     fn near(&self, line: &Line, reach: f64) -> Vec<usize> {
         let mut near = Vec::new();
@@ -121,6 +131,13 @@ impl ExactScene {
         sort(&mut chords);
         Some(chords)
     }
+}
+
+/// The gradient of the distance to a surface, times twice the step in metres of the difference quotients.
+fn gradient(placed: &Placed, point: DVec3, step: f64) -> DVec3 {
+    let along =
+        |axis: DVec3| placed.distance(point + axis * step) - placed.distance(point - axis * step);
+    DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
 }
 
 /// Sorts chords by their start.
@@ -229,12 +246,7 @@ impl Line {
     /// The cosine of the angle between the line and the normal at a point of the surface; 1 without a normal.
     fn cosine(&self, placed: &Placed, t: f64) -> f64 {
         let point = self.origin + self.direction * t;
-        let step = DIFFERENCE * self.length;
-        let along = |axis: DVec3| {
-            placed.distance(point + axis * step) - placed.distance(point - axis * step)
-        };
-        let gradient = DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z));
-        let normal = gradient.try_normalize();
+        let normal = gradient(placed, point, DIFFERENCE * self.length).try_normalize();
         normal.map_or(1.0, |normal| normal.dot(self.direction).abs())
     }
 }

@@ -103,30 +103,69 @@ pub(super) fn solids(pair: Pair, settings: &ResponseSettings) -> Result<Option<E
 /// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side or a solid of it
 /// transmits nothing, and if the share of every band is less than `LEAST_LATE_SHARE`.
 ///
+/// A plate sounds at the point opposite the hit, so the way through the leaf is upright. All energy that enters one side
+/// of a plate then leaves the other side, also next to its edges. If the wave does not point out of the leaf at this
+/// point, the way continues in the wave's direction.
+///
 /// The sound that leaves through a wall is part of the absorption of the wall's material. The share is therefore at most
 /// the absorption at either side, so that no energy is created, and both ways have the same share.
 pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Option<FarEnd> {
-    let SolidsAhead { chords, start } = exact.solids_ahead(hit.point, hit.direction)?;
-    let last = chords
-        .iter()
-        .max_by(|a, b| a.leaves_m.total_cmp(&b.leaves_m))?;
+    let ahead = opposite(exact, hit).or_else(|| {
+        let ahead = exact.solids_ahead(hit.point, hit.direction)?;
+        Some(Way::new(ahead, hit.direction))
+    })?;
+    let Way {
+        chords,
+        surface,
+        point,
+    } = ahead;
     let passing = Leaf::of(scene, &chords)?.share();
     let absorption = |surface: u32| {
         let material = scene.material(surface as usize - 1, None);
         material.map_or([0.0; BAND_COUNT], |material| material.absorption)
     };
-    let sides = [hit.surface, last.surface].map(absorption);
+    let sides = [hit.surface, surface].map(absorption);
     let share = std::array::from_fn(|band| passing[band].min(sides[0][band]).min(sides[1][band]));
-    let point = start + hit.direction * last.leaves_m;
-    share
-        .iter()
-        .any(|share| *share >= LEAST_LATE_SHARE)
-        .then(|| FarEnd {
-            surface: last.surface,
-            point,
-            length_m: hit.point.distance(point),
-            share,
-        })
+    let is_heard = share.iter().any(|share| *share >= LEAST_LATE_SHARE);
+    is_heard.then(|| FarEnd {
+        surface,
+        point,
+        length_m: hit.point.distance(point),
+        share,
+    })
+}
+
+/// A straight way through a leaf.
+struct Way {
+    chords: Vec<Chord>,
+    /// The surface at which it leaves the leaf.
+    surface: u32,
+    /// The point at which it leaves the leaf.
+    point: DVec3,
+}
+
+impl Way {
+    fn new(ahead: SolidsAhead, direction: DVec3) -> Way {
+        let SolidsAhead { chords, start } = ahead;
+        let later = |a: &&Chord, b: &&Chord| a.leaves_m.total_cmp(&b.leaves_m);
+        let (surface, leaves_m) = chords
+            .iter()
+            .max_by(later)
+            .map_or((0, 0.0), |last| (last.surface, last.leaves_m));
+        Way {
+            chords,
+            surface,
+            point: start + direction * leaves_m,
+        }
+    }
+}
+
+/// The upright way through the leaf; `None` if the wave does not point out of the leaf at its end.
+fn opposite(exact: &ExactScene, hit: &SolidHit) -> Option<Way> {
+    let inward = -exact.outward(hit.surface, hit.point)?;
+    let way = Way::new(exact.solids_ahead(hit.point, inward)?, inward);
+    let outward = exact.outward(way.surface, way.point)?;
+    (outward.dot(hit.direction) > 0.0).then_some(way)
 }
 
 /// Groups parts of a line that are in contact, or overlap: gaps up to `contact_m` metres are closed. The parts are in

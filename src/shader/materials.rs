@@ -20,11 +20,14 @@
 //! directory (`scene_data.rs`). More than [`MOST_IN_UNIFORMS`] numbers are a table in the scene's data. Without the
 //! table the number of uniforms would limit a scene with materials to fewer surfaces than a scene without materials.
 
+use super::distinct_materials::{
+    Distinct, MaterialBits, distinct, faces, has_far_side, materials_met, walls,
+};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::shape::Room;
-use crate::scene::{Material, Node, Scene};
+use crate::scene::{Material, Scene};
 use glam::Vec4;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Maximum bits of an event. A float can represent all whole numbers of this size together with a fraction.
@@ -265,62 +268,6 @@ impl Materials {
     }
 }
 
-/// A material, and whether the solids of its surfaces transmit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Distinct {
-    material: Material,
-    transmits: bool,
-}
-
-/// A material as the key of a map: absorption and scattering, bit for bit, and whether its solids transmit.
-type MaterialBits = ([[u64; BAND_COUNT]; 2], bool);
-
-impl Distinct {
-    fn bits(&self) -> MaterialBits {
-        let Material {
-            absorption,
-            scattering,
-            ..
-        } = &self.material;
-        // The addition turns −0 into 0.
-        let bits = |bands: &Bands| bands.map(|of| (of + 0.0).to_bits());
-        ([absorption, scattering].map(bits), self.transmits)
-    }
-}
-
-/// The distinct materials except perfect mirrors, in the order in which they first occur.
-fn distinct(all: impl Iterator<Item = Distinct>) -> Vec<Distinct> {
-    let mut known = HashSet::new();
-    let met = all.filter(|one| !one.material.is_mirror());
-    met.filter(|one| known.insert(one.bits())).collect()
-}
-
-/// Whether a line that enters the solid of a surface (counted from 0) can leave it again. The solids of rooms, planes
-/// and half-spaces have no far side. Other unbounded solids are treated like bounded ones.
-fn has_far_side(scene: &Scene, index: usize) -> bool {
-    let node = &scene.surfaces[index].shape.node;
-    !matches!(node, Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_))
-}
-
-/// All surfaces by their index, and instead of each room its walls.
-fn faces(scene: &Scene) -> impl Iterator<Item = (usize, Option<usize>)> {
-    let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
-    (0..scene.surfaces.len()).flat_map(of_surface)
-}
-
-/// The materials of all surfaces and walls, with repetitions. For a room these are the materials of its walls.
-pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
-    faces(scene).map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
-}
-
-/// The walls of a room, or `None` for any other surface as a whole.
-fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
-    let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
-    let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
-    let whole = std::iter::once(None).filter(move |_| !is_room);
-    walls.chain(whole)
-}
-
 /// The mean scattered share over some bands.
 pub(super) fn mean_scattering(material: &Material, bands: &Range<usize>) -> f64 {
     let of_bands = &material.scattering[bands.clone()];
@@ -376,8 +323,8 @@ fn reflections(absorption: &Bands, band: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::shape::{Room, Sphere};
-    use crate::{Listener, Source, Surface};
+    use crate::scene::shape::{Cuboid, Room, Sphere};
+    use crate::{Listener, Node, Source, Surface};
     use glam::Vec3;
 
     fn material(number: u32) -> Material {
@@ -474,6 +421,35 @@ mod tests {
         assert_eq!(walls.as_flattened()[..6], uniforms[..6]);
         let most: Vec<usize> = vec![0; MOST_IN_UNIFORMS - 4];
         assert!(materials.uniform_values(&most).is_empty());
+    }
+
+    /// Protects passages through solids: the numbers of materials that transmit are consecutive, the materials that
+    /// scatter come first, and the walls of rooms do not transmit.
+    #[test]
+    fn materials_that_transmit_have_consecutive_numbers() {
+        let mut scene = scene();
+        let pane = Material::builtin("glass").expect("a built-in material");
+        let rough = pane.scattering_by(0.25);
+        scene.materials.insert("rough pane".to_owned(), rough);
+        let size = Vec3::ONE;
+        for name in ["m1", "glass", "m3", "rough pane", "m2"] {
+            let surface = Surface::new(Cuboid { size }).with_material(name);
+            scene.surfaces.push(surface);
+        }
+        let room = Surface::new(Room { size }).with_material("glass");
+        scene.surfaces.push(room);
+        let of = Materials::with_transmission(&scene, 0..BAND_COUNT);
+        let numbers = |surfaces: Range<usize>| of.of_surfaces()[surfaces].iter();
+        let count = scene.surfaces.len();
+        let passes = |number: &f32| of.transmitting().contains(&(number.floor() as usize - 1));
+        let found: Vec<bool> = numbers(count - 6..count).map(passes).collect();
+        assert_eq!(found, [false, true, false, true, false, false]);
+        assert_eq!(of.transmitting().len(), 2);
+        let scattering = of.scattering;
+        let scatters = |one: &Distinct| one.material.scatters(0..BAND_COUNT);
+        assert!(of.distinct[..scattering].iter().all(scatters));
+        assert!(!of.distinct[scattering..].iter().any(scatters));
+        assert!(!Materials::of(&scene, 0..BAND_COUNT).transmit());
     }
 
     fn groups(materials: &[(f64, Bands)]) -> Vec<Range<usize>> {

@@ -1,11 +1,12 @@
 //! The passes that trace arrivals: waves that pass a transparent listener.
 
 use super::arrivals::{
-    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LEAST_GENERATION,
-    LISTED_AT_MOST, Listed, PASSAGE_SHARE, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK,
-    WavesToFollow, kept, kept_beside_waves, listed_rows, loudest, open_volume, thinned,
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
+    Listed, MOST_PASSAGES, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow,
+    kept, listed_rows, open_volume, thinned,
 };
 use super::gpu_scene::check_uniforms;
+use super::passage_passes::Waves;
 use super::prepared::{FramePrograms, PreparedFrame};
 use super::programs::{ScenePass, loops_asked, start_order};
 use super::start_order::Starts;
@@ -16,11 +17,9 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
-use crate::sampling::hash;
 use crate::scene::{IntoPair, Pair, Scene};
 use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
 use glam::{DVec3, Vec3, Vec4};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -33,10 +32,10 @@ const FARTHER: f64 = 3e-4;
 const OWN_VECTORS: usize = 40;
 
 /// The constant data of one call of [`Tracer::arrivals`].
-struct Run {
-    frame: PreparedFrame,
-    program: Rc<Program>,
-    replay: Replay,
+pub(super) struct Run {
+    pub frame: PreparedFrame,
+    pub program: Rc<Program>,
+    pub replay: Replay,
     /// The wave that starts at a texel.
     order: StartOrderText,
     /// The values of `uMaterials`.
@@ -61,52 +60,6 @@ struct Part {
     first_iteration: u32,
     iterations: u32,
     rows: Range<u32>,
-}
-
-/// The waves of a block.
-enum Waves<'a> {
-    /// Waves with these numbers, and their starts, unless the settings determine them.
-    FromSource(Range<u32>, Option<&'a [Start]>),
-    /// Waves that continue passages of a generation, from 1, and the number of the first of them.
-    Passages(&'a [Passage], u32, u32),
-}
-
-impl Waves<'_> {
-    fn count(&self) -> u32 {
-        match self {
-            Waves::FromSource(numbers, _) => numbers.len() as u32,
-            Waves::Passages(passages, ..) => passages.len() as u32,
-        }
-    }
-
-    /// Number of the first wave.
-    fn first(&self) -> u32 {
-        match self {
-            Waves::FromSource(numbers, _) => numbers.start,
-            Waves::Passages(.., first) => *first,
-        }
-    }
-
-    /// Whether textures contain the starts.
-    fn are_uploaded(&self) -> bool {
-        matches!(self, Waves::FromSource(_, Some(_)) | Waves::Passages(..))
-    }
-
-    /// The generation; 0 for waves from the source.
-    fn generation(&self) -> u32 {
-        match self {
-            Waves::FromSource(..) => 0,
-            Waves::Passages(_, generation, _) => *generation,
-        }
-    }
-}
-
-impl Run {
-    /// The seed of random numbers for passages of a generation and a block.
-    fn passage_seed(&self, generation: u32, block: u32) -> u64 {
-        let which = u64::from(generation) << 32 | u64::from(block);
-        hash(hash(which).wrapping_add(self.frame.settings.seed.into()))
-    }
 }
 
 impl Part {
@@ -314,47 +267,9 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows passages of waves, their passages, and so on, until their energy is negligible. `are_heard` states whether
-    /// waves from the source arrived.
-    fn arrivals_of_passages(
-        &mut self,
-        run: &Run,
-        (mut passages, are_heard): (Vec<Passage>, bool),
-        transmitting: Transmitting,
-    ) -> Result<(), Error> {
-        let Transmitting { through, take } = transmitting;
-        let waves = run.frame.settings.waves;
-        let least = LEAST_GENERATION * f64::from(waves);
-        for generation in 1.. {
-            let behind = passages.par_iter().filter_map(|one| one.behind(through));
-            let mut behind: Vec<Passage> = behind.collect();
-            let energy = loudest(&behind);
-            if energy <= least {
-                break;
-            }
-            if are_heard {
-                let most = kept_beside_waves(waves, generation, energy / f64::from(waves));
-                behind = thinned(behind, most, !run.passage_seed(generation, 0));
-            }
-            let most = kept(waves, generation + 1);
-            passages = Vec::new();
-            let mut first = 0;
-            for block in behind.chunks(waves.min(WAVES_IN_BLOCK) as usize) {
-                let of_block = Waves::Passages(block, generation, first);
-                let mut further = Vec::new();
-                self.arrivals_of_block(run, of_block, &mut further, take)?;
-                let most = most * block.len() / behind.len();
-                let seed = run.passage_seed(generation + 1, first);
-                passages.extend(thinned(further, most.max(1), seed));
-                first += block.len() as u32;
-            }
-        }
-        Ok(())
-    }
-
     /// Follows the waves of a block through all their chunks, and returns the number of their arrivals. While one chunk
     /// is drawn, the previous chunk is summed.
-    fn arrivals_of_block(
+    pub(super) fn arrivals_of_block(
         &mut self,
         run: &Run,
         waves: Waves,
@@ -392,6 +307,10 @@ impl Tracer {
             }
             let chunk = targets.chunk(&listed, part.iterations);
             arrivals += block.replay(&run.replay, &chunk, passages, take);
+            if passages.len() > MOST_PASSAGES {
+                let seed = run.passage_seed(waves.generation(), block.iterations);
+                *passages = thinned(std::mem::take(passages), MOST_PASSAGES / 2, seed);
+            }
             match next {
                 // If no energy is left, the chunk that is being drawn is not read.
                 Some(next) if block.has_energy(run.least_energy) => part = next,
@@ -421,16 +340,7 @@ impl Tracer {
             ..
         } = run.frame.settings;
         let (context, grid_and_order) = (&self.context, (grid, run.order));
-        let (numbers, given) = match waves {
-            Waves::FromSource(numbers, starts) => (numbers.clone(), starts.map(<[Start]>::to_vec)),
-            Waves::Passages(passages, ..) => {
-                let start = |passage: &Passage| Start {
-                    direction: passage.direction,
-                    weight: 1.0,
-                };
-                (0..0, Some(passages.iter().map(start).collect()))
-            }
-        };
+        let (numbers, given) = waves.starts();
         let of_settings = Starts::new(directions, seed, of, numbers);
         let order =
             targets.sort_starts(context, grid_and_order, (of_settings, given.as_deref()))?;
@@ -447,24 +357,6 @@ impl Tracer {
                 targets.upload_passages(passages, local)?;
                 Ok(Block::of_passages((grid, order), passages))
             }
-        }
-    }
-
-    /// Sets the uniforms of passages. Each generation (0: the waves from the source) has its own random numbers.
-    fn set_passage_uniforms(&self, run: &Run, generation: u32) {
-        let Some(events) = &run.replay.events else {
-            return;
-        };
-        let (program, transmitting) = (&run.program, events.materials().transmitting());
-        if transmitting.is_empty() {
-            return;
-        }
-        let numbers = [transmitting.start, transmitting.end].map(|number| number as f32);
-        program.set_vec2("uPassing", numbers.into());
-        program.set_f32("uPassageShare", PASSAGE_SHARE as f32);
-        program.set_u32("uPassageSeed", run.passage_seed(generation, 0) as u32);
-        if generation > 0 {
-            program.set_u32("uSeed", (run.passage_seed(generation, 0) >> 32) as u32);
         }
     }
 

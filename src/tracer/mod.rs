@@ -20,6 +20,7 @@ mod frame_steps;
 mod gpu_scene;
 mod heard_paths;
 mod order_table;
+mod passage_passes;
 mod prepared;
 mod programs;
 mod read_back;

@@ -16,8 +16,8 @@ use crate::sampling::{hash, unit_interval};
 use glam::{DVec3, Vec3};
 
 /// Probability of a passage at a hit of a solid that transmits. In a decay of 60 dB a wave hits a wall of an ordinary
-/// room about ten times, so that there are more passages than waves.
-pub const PASSAGE_SHARE: f64 = 0.25;
+/// room about ten times, so that there are more passages than waves, from which those with the most energy are drawn.
+pub const PASSAGE_SHARE: f64 = 0.5;
 
 /// The share of the energy of all waves at the source below which a generation of passages is not traced: −100 dB, as
 /// for the exact path through solids.
@@ -25,6 +25,9 @@ pub const LEAST_GENERATION: f64 = 1e-10;
 
 /// Minimum number of passages of a generation that are kept: 6 % error of their energy.
 const FEWEST_KEPT: u32 = 256;
+
+/// Number of passages of a block at which they are thinned out to half of them, 80 MB.
+pub const MOST_PASSAGES: usize = 1 << 20;
 
 /// The share of passages that are drawn evenly. These passages carry the end of a decay, and all others its level.
 const EVEN_SHARE: f64 = 0.35;
