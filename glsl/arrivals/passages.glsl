@@ -1,4 +1,5 @@
-// Passages: parts of a wave's energy that continue through the solid that the wave meets (src/tracer/arrivals/passages.rs).
+// Passages: parts of a wave's energy that continue through the solid that the wave meets
+// (src/tracer/arrivals/passages.rs).
 
 uniform vec2 uPassing;             // materials whose solids transmit: the number before the first, and the last number
 uniform float uPassageShare;       // probability of a passage at a hit of such a material

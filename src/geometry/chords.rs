@@ -58,8 +58,8 @@ const BEFORE_HIT: f64 = 1e-6;
 const CONTACT: f64 = 1e-6;
 
 impl ExactScene {
-    /// The solids in contact that a line in this direction passes from a point of a surface. `None` if it does not enter a
-    /// solid there, or a solid has no far side.
+    /// The solids in contact that a line in this direction passes from a point of a surface. `None` if it does not enter
+    /// a solid there, or a solid has no far side.
     pub(crate) fn solids_ahead(&self, point: DVec3, direction: DVec3) -> Option<SolidsAhead> {
         let extent = self.error_bound / ROUNDING;
         let start = point - direction * (BEFORE_HIT * extent);
@@ -93,8 +93,8 @@ impl ExactScene {
         (!chords.is_empty()).then_some(SolidsAhead { chords, start })
     }
 
-    /// The unit normal of a surface (numbered from 1) at a point, from the solid into the air; `None` where the distance
-    /// has no gradient.
+    /// The unit normal of a surface (numbered from 1) at a point, from the solid into the air; `None` where the
+    /// distance has no gradient.
     pub(crate) fn outward(&self, surface: u32, point: DVec3) -> Option<DVec3> {
         let placed = self.surfaces.get((surface as usize).checked_sub(1)?)?;
         gradient(placed, point, NORMAL_STEP * self.error_bound / ROUNDING).try_normalize()

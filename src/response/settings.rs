@@ -42,8 +42,8 @@ pub struct ResponseSettings {
     /// Whether sound bends around the edges of obstacles that hide the source from the listener: false by default,
     /// because round bodies, reflections and late arrivals do not bend yet. The profile `thesis` has no diffraction.
     pub diffraction: bool,
-    /// Whether sound passes through solids whose materials transmit sound, in a straight line to the listener and in the
-    /// late part: true by default. The profile `thesis` has no transmission.
+    /// Whether sound passes through solids whose materials transmit sound, in a straight line to the listener and in
+    /// the late part: true by default. The profile `thesis` has no transmission.
     pub transmission: bool,
 }
 

@@ -103,12 +103,12 @@ pub(super) fn solids(pair: Pair, settings: &ResponseSettings) -> Result<Option<E
 /// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side or a solid of it
 /// transmits nothing, and if the share of every band is less than `LEAST_LATE_SHARE`.
 ///
-/// A plate sounds at the point opposite the hit, so the way through the leaf is upright. All energy that enters one side
-/// of a plate then leaves the other side, also next to its edges. If the wave does not point out of the leaf at this
+/// A plate sounds at the point opposite the hit, so the way through the leaf is upright. All energy that enters one
+/// side of a plate then leaves the other side, also next to its edges. If the wave does not point out of the leaf at this
 /// point, the way continues in the wave's direction.
 ///
-/// The sound that leaves through a wall is part of the absorption of the wall's material. The share is therefore at most
-/// the absorption at either side, so that no energy is created, and both ways have the same share.
+/// The sound that leaves through a wall is part of the absorption of the wall's material. The share is therefore at
+/// most the absorption at either side, so that no energy is created, and both ways have the same share.
 pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Option<FarEnd> {
     let ahead = opposite(exact, hit).or_else(|| {
         let ahead = exact.solids_ahead(hit.point, hit.direction)?;

@@ -72,8 +72,8 @@ impl Run {
 }
 
 impl Tracer {
-    /// Follows passages of waves, their passages, and so on, until their energy is negligible. `are_heard` states whether
-    /// waves from the source arrived.
+    /// Follows passages of waves, their passages, and so on, until their energy is negligible. `are_heard` states
+    /// whether waves from the source arrived.
     pub(super) fn arrivals_of_passages(
         &mut self,
         run: &Run,

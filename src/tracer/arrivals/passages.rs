@@ -2,12 +2,12 @@
 //!
 //! A wave that meets the solid of a transmitting material is reflected as in any other scene, and its energy after the
 //! reflection does not depend on transmission. In addition, with the probability [`PASSAGE_SHARE`], the shader records
-//! the hit. A recorded hit is a [`Passage`]: a new wave that starts behind the solid, with the energy of the wave before
-//! the hit, times the share that passes, over the probability. The sound that leaves through the wall is part of the
+//! the hit. A recorded hit is a [`Passage`]: a new wave that starts behind the solid, with the energy of the wave
+//! before the hit, times the share that passes, over the probability. The sound that leaves through the wall is part of the
 //! absorption of the material.
 //!
 //! Passages are traced after the waves that they come from, and have passages themselves: they are the next
-//! *generation*. If there are too many of them, they are thinned out to [`kept`] passages, which carry the energy of all.
+//! *generation*. If there are too many of them, [`kept`] passages are drawn, with the energy of all.
 //! All other waves are the same, bit for bit, as in a scene without transmission.
 
 use crate::arrival::Arrival;
@@ -125,8 +125,8 @@ pub(crate) fn kept_beside_waves(waves: u32, generation: u32, share: f64) -> usiz
 }
 
 /// Draws `most` of more passages, and weights their energies by the inverse of the probability of each draw. The
-/// probability is a mixture of even draws and of draws by energy, averaged over the bands. Passages with more energy may
-/// be drawn several times. The draws are spread over the passages in their order.
+/// probability is a mixture of even draws and of draws by energy, averaged over the bands. Passages with more energy
+/// may be drawn several times. The draws are spread over the passages in their order.
 pub(crate) fn thinned(passages: Vec<Passage>, most: usize, seed: u64) -> Vec<Passage> {
     if passages.len() <= most {
         return passages;
