@@ -38,7 +38,7 @@ float inFloat(uint bits) {
 }
 
 void prepareEvents(uint wave) {
-    copyMaterials();
+    copyMaterials();@passing_wave@
 #if SCATTERS
     waveNumber = wave;
     // Differs from the seed of the start directions.

@@ -66,7 +66,7 @@ uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
 #if EVENT_BITS > 0
     vec3 turned = reflected - d;
     float material = materialAt(object, turned);
-    float number = floor(material);
+    float number = floor(material);@passage@
 #if SCATTERS
     uvec3 bits = mixBits(uvec3(waveNumber, scatterSeed, startIteration + uint(iteration)));
     bool isScattered = unitInterval(bits.x) < 2.0 * (material - number);

@@ -1,7 +1,7 @@
 //! The parts of a straight line that lie in solids.
 
 use super::closed_form::Placed;
-use super::exact::ExactScene;
+use super::exact::{ExactScene, ROUNDING};
 use glam::DVec3;
 
 /// Minimum step along a line, as a share of its length. Parts of the line that are shorter can be missed: 10 nm on a
@@ -33,7 +33,85 @@ pub(crate) struct Chord {
     pub cosines: [f64; 2],
 }
 
+/// Half the step of the difference quotients of a normal, as a share of the scene's extent.
+const NORMAL_STEP: f64 = 1e-7;
+
+/// The part of a line that lies in solids in contact.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SolidsAhead {
+    /// Parts of the line in solids, by their start. Distances are measured from `start`.
+    pub chords: Vec<Chord>,
+    /// A point of the line just before it enters the first solid.
+    pub start: DVec3,
+}
+
+/// The longest way through solids in metres: the thickest solid whose sound reduction index can
+/// be stated.
+const LONGEST: f64 = 100.0;
+
+/// Distance before a wave's hit at which its line starts, as a share of the scene's extent. Hits are computed in
+/// `f32`, with errors of 1e-7 of the extent normal to the surface, and of ten times as much along a line at 6° to it.
+const BEFORE_HIT: f64 = 1e-6;
+
+/// Width of an air gap up to which solids are in contact, as a share of the scene's extent. Coordinates are `f32`, with
+/// errors of 6e-8 of their size.
+const CONTACT: f64 = 1e-6;
+
 impl ExactScene {
+    /// The solids in contact that a line in this direction passes from a point of a surface. `None` if it does not enter
+    /// a solid there, or a solid has no far side.
+    pub(crate) fn solids_ahead(&self, point: DVec3, direction: DVec3) -> Option<SolidsAhead> {
+        let extent = self.error_bound / ROUNDING;
+        let start = point - direction * (BEFORE_HIT * extent);
+        let line = Line {
+            origin: start,
+            direction,
+            length: LONGEST,
+            depth: DEPTH * self.error_bound,
+        };
+        let gap = CONTACT * extent;
+        let mut chords: Vec<Chord> = Vec::new();
+        let mut reach = 2.0 * BEFORE_HIT * extent;
+        loop {
+            let known = chords.len();
+            chords.clear();
+            for index in self.near(&line, reach) {
+                line.add_chords_within(
+                    &self.surfaces[index],
+                    index as u32 + 1,
+                    reach,
+                    &mut chords,
+                )?;
+            }
+            let ends = chords.iter().map(|chord| chord.leaves_m);
+            reach = ends.fold(0.0, f64::max) + gap;
+            if chords.len() == known {
+                break;
+            }
+        }
+        sort(&mut chords);
+        (!chords.is_empty()).then_some(SolidsAhead { chords, start })
+    }
+
+    /// The unit normal of a surface (numbered from 1) at a point, from the solid into the air; `None` where the
+    /// distance has no gradient.
+    pub(crate) fn outward(&self, surface: u32, point: DVec3) -> Option<DVec3> {
+        let placed = self.surfaces.get((surface as usize).checked_sub(1)?)?;
+        gradient(placed, point, NORMAL_STEP * self.error_bound / ROUNDING).try_normalize()
+    }
+
+    /// The indices of the surfaces that a line may meet within `reach` metres.
+    fn near(&self, line: &Line, reach: f64) -> Vec<usize> {
+        let mut near = Vec::new();
+        for hierarchy in &self.hierarchies {
+            hierarchy.along(line.origin, line.direction, reach, |index, until| {
+                near.push(index);
+                until
+            });
+        }
+        near
+    }
+
     /// The parts of the line from `a` to `b` that lie in solids, by their start. Both points lie in the air.
     ///
     /// `None` if a line that grazes a surface takes too many steps, or an end lies in a solid.
@@ -45,24 +123,29 @@ impl ExactScene {
             length,
             depth: DEPTH * self.error_bound,
         };
-        let mut near = Vec::new();
-        for hierarchy in &self.hierarchies {
-            hierarchy.along(a, direction, length, |index, until| {
-                near.push(index);
-                until
-            });
-        }
         let mut chords = Vec::new();
-        for index in near {
-            line.add_chords(&self.surfaces[index], index as u32 + 1, &mut chords)?;
+        for index in self.near(&line, length) {
+            let (placed, surface) = (&self.surfaces[index], index as u32 + 1);
+            line.add_chords_within(placed, surface, length, &mut chords)?;
         }
-        let order = |chord: &Chord| (chord.enters_m, chord.surface);
-        chords.sort_by(|a, b| {
-            let ((a, first), (b, second)) = (order(a), order(b));
-            a.total_cmp(&b).then(first.cmp(&second))
-        });
+        sort(&mut chords);
         Some(chords)
     }
+}
+
+/// The gradient of the distance to a surface, times twice the step in metres of the difference quotients.
+fn gradient(placed: &Placed, point: DVec3, step: f64) -> DVec3 {
+    let along =
+        |axis: DVec3| placed.distance(point + axis * step) - placed.distance(point - axis * step);
+    DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
+}
+
+/// Sorts chords by their start.
+fn sort(chords: &mut [Chord]) {
+    chords.sort_by(|a, b| {
+        let by_start = a.enters_m.total_cmp(&b.enters_m);
+        by_start.then(a.surface.cmp(&b.surface))
+    });
 }
 
 /// A line between two points in the air.
@@ -75,11 +158,22 @@ struct Line {
 }
 
 impl Line {
-    /// Adds the parts of the line in the solid of one surface.
-    fn add_chords(&self, placed: &Placed, surface: u32, chords: &mut Vec<Chord>) -> Option<()> {
-        let mut enters = None;
+    /// Adds the parts of the line in the solid of one surface that start within `reach` metres. `None` if the line ends
+    /// in the solid, or takes too many steps.
+    fn add_chords_within(
+        &self,
+        placed: &Placed,
+        surface: u32,
+        reach: f64,
+        chords: &mut Vec<Chord>,
+    ) -> Option<()> {
+        let mut enters: Option<f64> = None;
         let mut from = 0.0;
-        while let Some(at) = self.next_change(placed, from, enters.is_some())? {
+        loop {
+            let end = if enters.is_some() { self.length } else { reach };
+            let Some(at) = self.next_change(placed, from, end, enters.is_some())? else {
+                break;
+            };
             enters = match enters {
                 None => Some(at),
                 Some(enters_m) => {
@@ -97,22 +191,28 @@ impl Line {
         enters.is_none().then_some(())
     }
 
-    /// The first point after `from` at which the line enters the solid, or leaves it if `is_inside`. The outer `None`
-    /// stands for too many steps.
+    /// The first point after `from`, and before `end`, at which the line enters the solid, or leaves it if `is_inside`.
+    /// The outer `None` stands for too many steps.
     ///
     /// No point is nearer to the surface than the value of its distance, so this value is a safe step on both sides.
     /// Steps double while the line is in contact with the surface, so that a line along a plane ends.
-    fn next_change(&self, placed: &Placed, from: f64, is_inside: bool) -> Option<Option<f64>> {
+    fn next_change(
+        &self,
+        placed: &Placed,
+        from: f64,
+        end: f64,
+        is_inside: bool,
+    ) -> Option<Option<f64>> {
         let least = LEAST_STEP * self.length;
         let mut floor = least;
         let mut t = from;
         for _ in 0..MOST_STEPS {
-            if t >= self.length {
+            if t >= end {
                 return Some(None);
             }
             let distance = self.distance(placed, t).abs();
             floor = if distance < least { 2.0 * floor } else { least };
-            let next = (t + distance.max(floor)).min(self.length);
+            let next = (t + distance.max(floor)).min(end);
             if self.is_inside(placed, next) != is_inside {
                 return Some(Some(self.change(placed, t, next, is_inside)));
             }
@@ -146,12 +246,7 @@ impl Line {
     /// The cosine of the angle between the line and the normal at a point of the surface; 1 without a normal.
     fn cosine(&self, placed: &Placed, t: f64) -> f64 {
         let point = self.origin + self.direction * t;
-        let step = DIFFERENCE * self.length;
-        let along = |axis: DVec3| {
-            placed.distance(point + axis * step) - placed.distance(point - axis * step)
-        };
-        let gradient = DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z));
-        let normal = gradient.try_normalize();
+        let normal = gradient(placed, point, DIFFERENCE * self.length).try_normalize();
         normal.map_or(1.0, |normal| normal.dot(self.direction).abs())
     }
 }

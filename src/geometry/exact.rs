@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Error bound of positions, as a share of the scene's extent: a few hundred units in the last place.
-const ROUNDING: f64 = 1e-13;
+pub(super) const ROUNDING: f64 = 1e-13;
 
 /// Margin of the bounding boxes of surfaces, as a share of the scene's extent: a millimetre in a hundred metres. All
 /// intersection tests decide at much smaller distances from a surface.

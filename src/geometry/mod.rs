@@ -42,7 +42,7 @@ mod shoebox_energies;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub(crate) use chords::Chord;
+pub(crate) use chords::{Chord, SolidsAhead};
 pub use exact::{ExactScene, ExactWave, Hit};
 #[doc(hidden)]
 pub use exact::{PathVertex, sequence_hash};

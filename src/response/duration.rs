@@ -2,11 +2,15 @@
 
 use super::late::{LEAST_ORDER, LateSphere};
 use super::source_sound::Medium;
+use super::{Arrival, ImpulseSettings, ResponseSettings, transmission};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::response::ImpulseSettings;
 use crate::scene::Pair;
-use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
+use crate::shader;
+use crate::tracer::{
+    ArrivalCounts, ArrivalSettings, SolidHit, Tracer, Transmitting, WavesToFollow,
+};
+use std::cell::RefCell;
 
 /// Number of waves for the estimate of the decay. Their energies determine the end of the decay, and a thousand waves
 /// give its time to within some per cent.
@@ -47,16 +51,16 @@ const WITHOUT_DECAY_S: f64 = 3.0;
 const BIN_S: f64 = 0.01;
 
 /// Returns the time in seconds after which at most [`LEFT`] of all energy remains in every band, as estimated by waves.
-/// It is at most `longest_s`, but at least the time of the direct sound.
+/// It is at most the longest time of the settings, but at least the time of the direct sound.
 pub(super) fn needed(
     tracer: &mut Tracer,
     pair: Pair,
-    settings: &Settings,
-    longest_s: f64,
+    settings: &ResponseSettings,
 ) -> Result<f64, Error> {
+    let longest_s = settings.longest_s;
     let medium = Medium::of(pair);
     let scene = pair.scene;
-    let (mut decay, counts) = Decay::trace(tracer, pair, settings, (WAVES, longest_s))?;
+    let (mut decay, counts) = Decay::trace(tracer, pair, settings, WAVES)?;
     if counts.gone == 0 && scene.air.is_none() && !scene.has_materials() {
         let end_s = medium.direct_s + WITHOUT_DECAY_S;
         return Ok(end_s
@@ -69,7 +73,7 @@ pub(super) fn needed(
             true => WAVES_OUTDOORS,
             false => WAVES_BETWEEN,
         };
-        (decay, _) = Decay::trace(tracer, pair, settings, (more, longest_s))?;
+        (decay, _) = Decay::trace(tracer, pair, settings, more)?;
     }
     let end_s = match decay.is_end_known() {
         true => decay.end_s(),
@@ -100,23 +104,36 @@ impl Decay {
     fn trace(
         tracer: &mut Tracer,
         pair: Pair,
-        settings: &Settings,
-        (waves, longest_s): (u32, f64),
+        settings: &ResponseSettings,
+        waves: u32,
     ) -> Result<(Decay, ArrivalCounts), Error> {
         let medium = Medium::of(pair);
         // More of the few waves that carry the end of the decay cross the larger sphere.
         let wide = LateSphere::of(pair, LEAST_ORDER).widened(pair.listener);
-        let mut decay = Decay::default();
-        let counts = tracer.arrivals(
-            pair.with_listener(&wide),
-            &settings.clone().with_waves(waves),
-            &ArrivalSettings::new(longest_s).with_least_energy(LEAST_ENERGY),
-            &mut |arrival| {
-                let energy = bands::through_air(&arrival.energy, &medium.air, arrival.length_m);
-                decay.add(arrival.length_m / medium.speed, &energy);
-            },
-        )?;
-        Ok((decay, counts))
+        let pair = pair.with_listener(&wide);
+        let solids = transmission::solids(pair, settings)?;
+        let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids.as_ref()?, hit);
+        let decay = RefCell::new(Decay::default());
+        let add = |arrival: Arrival| {
+            let energy = bands::through_air(&arrival.energy, &medium.air, arrival.length_m);
+            let seconds = arrival.length_m / medium.speed;
+            decay.borrow_mut().add(seconds, &energy);
+        };
+        let trace = settings.trace.clone().with_waves(waves);
+        let how = ArrivalSettings::new(settings.longest_s).with_least_energy(LEAST_ENERGY);
+        let all = WavesToFollow::Numbers(0..waves);
+        let mut counts = ArrivalCounts::of_none();
+        for bands in shader::band_groups(pair.scene) {
+            let how = how.clone().with_bands(bands);
+            let (mut take, mut passed) = (add, add);
+            let passing = solids.is_some().then_some(Transmitting {
+                through: &through,
+                take: &mut passed,
+            });
+            let followed = tracer.arrivals_through(pair, &trace, &how, &all, &mut take, passing)?;
+            counts = counts.and(followed.counts());
+        }
+        Ok((decay.into_inner(), counts))
     }
 
     fn add(&mut self, seconds: f64, energy: &Bands) {

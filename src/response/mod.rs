@@ -123,7 +123,8 @@ pub struct Response {
     #[serde(serialize_with = "finite")]
     pub followed_s: Option<f64>,
     /// Fates of the waves. If late arrivals are counted in a sphere larger than the listener, or with fewer waves,
-    /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling are not counted.
+    /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling, and waves behind solids,
+    /// are not counted.
     pub counts: ArrivalCounts,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
@@ -163,6 +164,7 @@ impl Response {
             bias,
             counts,
             early,
+            straight,
             travel_on,
         } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
@@ -182,6 +184,10 @@ impl Response {
         part.left_over()
             .filter(|arrival| !is_replaced(arrival))
             .for_each(|arrival| medium.add(&mut echogram, arrival));
+        // An exact path replaces the waves that pass solids in a straight line.
+        if is_hidden && around.is_empty() && through.is_none() {
+            echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
+        }
         let mut paths = all_paths.clone();
         if settings.diffracts() && !is_hidden {
             let beside = hidden::beside(pair, &medium)?;

@@ -42,8 +42,8 @@ pub struct ResponseSettings {
     /// Whether sound bends around the edges of obstacles that hide the source from the listener: false by default,
     /// because round bodies, reflections and late arrivals do not bend yet. The profile `thesis` has no diffraction.
     pub diffraction: bool,
-    /// Whether sound passes straight through solids that hide the source from the listener, if their materials transmit
-    /// sound: true by default. The profile `thesis` has no transmission.
+    /// Whether sound passes through solids whose materials transmit sound, in a straight line to the listener and in
+    /// the late part: true by default. The profile `thesis` has no transmission.
     pub transmission: bool,
 }
 
@@ -187,14 +187,14 @@ impl ResponseSettings {
         self.diffraction && self.trace.profile() != Profile::Thesis
     }
 
-    /// Sets whether sound passes straight through solids that hide the source from the listener.
+    /// Sets whether sound passes through solids whose materials transmit sound.
     #[must_use]
     pub fn with_transmission(mut self, transmission: bool) -> ResponseSettings {
         self.transmission = transmission;
         self
     }
 
-    /// Whether responses have transmitted paths.
+    /// Whether sound passes solids.
     pub(super) fn transmits(&self) -> bool {
         self.transmission && self.trace.profile() != Profile::Thesis
     }
@@ -221,7 +221,7 @@ impl ResponseSettings {
         self.validate()?;
         match self.seconds {
             Some(seconds) => Ok(seconds),
-            None => duration::needed(tracer, pair, &self.trace, self.longest_s),
+            None => duration::needed(tracer, pair, self),
         }
     }
 

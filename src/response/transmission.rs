@@ -1,4 +1,5 @@
-//! Sound that passes through solids on the straight way from the source to the listener.
+//! Sound that passes through solids, on the straight way from the source to the listener and along the waves of the
+//! late part.
 //!
 //! # Method
 //! The line from the source to the listener is cut into its parts in solids, on the distances of the scene
@@ -19,9 +20,12 @@
 //! # Deviations
 //! The thesis has no transmission. R is for random incidence at every angle. The line is not refracted.
 
+use super::ResponseSettings;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
-use crate::geometry::{Chord, ExactScene};
-use crate::scene::{Exactness, Scene, Transmission};
+use crate::error::Error;
+use crate::geometry::{Chord, ExactScene, SolidsAhead};
+use crate::scene::{Exactness, Pair, Scene, Transmission};
+use crate::tracer::{FarEnd, SolidHit};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -49,6 +53,9 @@ const MOST_OBLIQUE: f64 = 1.5;
 /// Share of the energy below which a path through solids is left out: −100 dB. The paths around obstacles and over
 /// reflections in a scene are louder.
 const LEAST_SHARE: f64 = 1e-10;
+
+/// Share of the energy in every band below which no wave of the late part passes a leaf: −40 dB.
+const LEAST_LATE_SHARE: f64 = 1e-4;
 
 /// The sound that passes straight through solids.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +90,82 @@ pub(super) fn through(
         surfaces: chords.iter().map(|chord| chord.surface).collect(),
         points: chords.iter().map(enters).collect(),
     })
+}
+
+/// The solids that waves of the late part may pass; `None` without transmission.
+pub(super) fn solids(pair: Pair, settings: &ResponseSettings) -> Result<Option<ExactScene>, Error> {
+    match settings.transmits() {
+        true => Ok(Some(ExactScene::new(pair)?)),
+        false => Ok(None),
+    }
+}
+
+/// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side or a solid of it
+/// transmits nothing, and if the share of every band is less than `LEAST_LATE_SHARE`.
+///
+/// A plate sounds at the point opposite the hit, so the way through the leaf is upright. All energy that enters one
+/// side of a plate then leaves the other side, also next to its edges. If the wave does not point out of the leaf at this
+/// point, the way continues in the wave's direction.
+///
+/// The sound that leaves through a wall is part of the absorption of the wall's material. The share is therefore at
+/// most the absorption at either side, so that no energy is created, and both ways have the same share.
+pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Option<FarEnd> {
+    let ahead = opposite(exact, hit).or_else(|| {
+        let ahead = exact.solids_ahead(hit.point, hit.direction)?;
+        Some(Way::new(ahead, hit.direction))
+    })?;
+    let Way {
+        chords,
+        surface,
+        point,
+    } = ahead;
+    let passing = Leaf::of(scene, &chords)?.share();
+    let absorption = |surface: u32| {
+        let material = scene.material(surface as usize - 1, None);
+        material.map_or([0.0; BAND_COUNT], |material| material.absorption)
+    };
+    let sides = [hit.surface, surface].map(absorption);
+    let share = std::array::from_fn(|band| passing[band].min(sides[0][band]).min(sides[1][band]));
+    let is_heard = share.iter().any(|share| *share >= LEAST_LATE_SHARE);
+    is_heard.then(|| FarEnd {
+        surface,
+        point,
+        length_m: hit.point.distance(point),
+        share,
+    })
+}
+
+/// A straight way through a leaf.
+struct Way {
+    chords: Vec<Chord>,
+    /// The surface at which it leaves the leaf.
+    surface: u32,
+    /// The point at which it leaves the leaf.
+    point: DVec3,
+}
+
+impl Way {
+    fn new(ahead: SolidsAhead, direction: DVec3) -> Way {
+        let SolidsAhead { chords, start } = ahead;
+        let later = |a: &&Chord, b: &&Chord| a.leaves_m.total_cmp(&b.leaves_m);
+        let (surface, leaves_m) = chords
+            .iter()
+            .max_by(later)
+            .map_or((0, 0.0), |last| (last.surface, last.leaves_m));
+        Way {
+            chords,
+            surface,
+            point: start + direction * leaves_m,
+        }
+    }
+}
+
+/// The upright way through the leaf; `None` if the wave does not point out of the leaf at its end.
+fn opposite(exact: &ExactScene, hit: &SolidHit) -> Option<Way> {
+    let inward = -exact.outward(hit.surface, hit.point)?;
+    let way = Way::new(exact.solids_ahead(hit.point, inward)?, inward);
+    let outward = exact.outward(way.surface, way.point)?;
+    (outward.dot(hit.direction) > 0.0).then_some(way)
 }
 
 /// Groups parts of a line that are in contact, or overlap: gaps up to `contact_m` metres are closed. The parts are in
@@ -245,5 +328,7 @@ fn decibels(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
+#[cfg(test)]
+mod late_tests;
 #[cfg(test)]
 mod tests;

@@ -35,6 +35,8 @@ pub(crate) struct ArrivalsText {
     pub has_words: bool,
     /// Whether surfaces scatter.
     pub scatters: bool,
+    /// Whether passages through solids are recorded.
+    pub transmits: bool,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
 }
@@ -62,6 +64,7 @@ impl ArrivalsText {
             event_bits,
             has_words,
             scatters: materials.scatter(),
+            transmits: materials.transmit(),
             rooms: materials.rooms(),
         };
         ArrivalsText {
@@ -127,8 +130,29 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let number = ("number", "number", "waveAt(texel)");
     let (pass, of_order) = text.order.fill(&chunk, number);
     library.extend(of_order);
-    roots.extend([source!("arrivals/flight.glsl"), pass]);
+    let (passing_wave, passage) = match text.transmits {
+        true => {
+            library.extend(parts(source!("arrivals/passages.glsl")));
+            (
+                "\n    passingWave = wave;",
+                source!("template/record_passage.glsl").text,
+            )
+        }
+        false => ("", "".into()),
+    };
+    roots.extend([
+        filled(
+            &source!("arrivals/flight.glsl"),
+            ("passage", passage.trim_end()),
+        ),
+        filled(&pass, ("passing_wave", passing_wave)),
+    ]);
     join(&link(roots, library))
+}
+
+/// A source with one of its placeholders replaced by a text.
+fn filled(source: &Source, text: (&str, &str)) -> Source {
+    Source::new(source.name.clone(), fill(source, &[text]))
 }
 
 /// Returns the source that finds the next surface, whether this source marches fields, and the parts that it calls.
@@ -301,4 +325,45 @@ fn by_table(text: &Text, rooms: &[usize]) -> String {
 fn in_cells(text: &Text) -> String {
     let others = text.not_unrolled();
     format!("    if (object > 0.0{others}) {{\n        material = entryOf(object).w;\n    }}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bands::BAND_COUNT;
+    use crate::scene::Surface;
+    use crate::scene::shape::Cuboid;
+    use glam::Vec3;
+
+    /// Protects the speed of scenes without transmission: their shader has no text for passages.
+    #[test]
+    fn only_shaders_of_solids_that_transmit_record_passages() {
+        let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
+        let glass = scene.surfaces.len();
+        let size = Vec3::ONE;
+        scene.surfaces.push(Surface::new(Cuboid { size }));
+        scene.surfaces[0].material = Some("concrete".to_owned());
+        scene.surfaces[glass].material = Some("glass".to_owned());
+        let text = |scene: &Scene, materials: &Materials| {
+            let structure = AlgorithmText::Hybrid.structure(scene);
+            let start = (
+                AlgorithmText::Hybrid,
+                Directions::Random,
+                StartOrderText::ByNumber,
+            );
+            arrivals_text(
+                scene,
+                &structure,
+                &ArrivalsText::new(start, materials, 4, 8),
+            )
+        };
+        let silent = text(&scene, &Materials::of(&scene, 0..BAND_COUNT));
+        let transmitting = Materials::with_transmission(&scene, 0..BAND_COUNT);
+        assert!(text(&scene, &transmitting).contains("isPassage"));
+        assert!(!silent.contains("assage") && !silent.contains("passing"));
+        assert!(!silent.contains('@'));
+        scene.surfaces[glass].material = Some("brick".to_owned());
+        let brick = Materials::with_transmission(&scene, 0..BAND_COUNT);
+        assert!(!brick.transmit() && text(&scene, &brick) == silent);
+    }
 }

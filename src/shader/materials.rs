@@ -12,15 +12,22 @@
 //! waves would carry nearly all of the band's energy. Bands with too large a spread are traced with separate waves
 //! ([`band_groups`]).
 //!
+//! Materials whose solids transmit sound have consecutive numbers ([`Materials::transmitting`]), by which the shader
+//! recognises the hits at which a part of a wave may pass a solid. A material on a surface with a far side then differs
+//! from the same material on a surface without one, such as the walls of a room.
+//!
 //! If there are few numbers, those of unrolled surfaces are uniforms, and those of surfaces in cells are in the
 //! directory (`scene_data.rs`). More than [`MOST_IN_UNIFORMS`] numbers are a table in the scene's data. Without the
 //! table the number of uniforms would limit a scene with materials to fewer surfaces than a scene without materials.
 
+use super::distinct_materials::{
+    Distinct, MaterialBits, distinct, faces, has_far_side, materials_met, walls,
+};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::shape::Room;
-use crate::scene::{Material, Node, Scene};
+use crate::scene::{Material, Scene};
 use glam::Vec4;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Maximum bits of an event. A float can represent all whole numbers of this size together with a fraction.
@@ -36,9 +43,11 @@ pub struct Materials {
     /// The bands that are traced together.
     bands: Range<usize>,
     /// The distinct materials; those that scatter come first.
-    distinct: Vec<Material>,
+    distinct: Vec<Distinct>,
     /// Number of materials that scatter.
     scattering: usize,
+    /// The places of the materials that transmit.
+    transmitting: Range<usize>,
     /// The number that the shader reads for each surface.
     of_surfaces: Vec<f32>,
     /// The rooms whose walls have different materials, by index, and the numbers of their walls.
@@ -46,9 +55,30 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// The materials of the scene for waves that carry these bands. The result is empty if no surface absorbs or
-    /// scatters.
+    /// The materials of the scene for waves that carry these bands. No solid transmits. The result is empty if no
+    /// surface absorbs or scatters.
     pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
+        Materials::numbered(scene, bands, |_, _| false)
+    }
+
+    /// The same, with the transmission of solids.
+    pub fn with_transmission(scene: &Scene, bands: Range<usize>) -> Materials {
+        let carried = bands.clone();
+        Materials::numbered(scene, bands, move |index, material| {
+            let absorbs = material.absorption[carried.clone()]
+                .iter()
+                .any(|a| *a > 0.0);
+            material.transmission.is_some() && absorbs && has_far_side(scene, index)
+        })
+    }
+
+    /// The materials of the scene; `transmits` returns whether the solid of a surface (counted from 0) transmits if it
+    /// has this material.
+    fn numbered(
+        scene: &Scene,
+        bands: Range<usize>,
+        transmits: impl Fn(usize, &Material) -> bool,
+    ) -> Materials {
         let mut materials = Materials {
             bands: bands.clone(),
             ..Materials::default()
@@ -56,19 +86,31 @@ impl Materials {
         if !scene.has_materials() {
             return materials;
         }
-        materials.distinct = distinct(scene);
-        materials
-            .distinct
-            .sort_by_key(|material| !material.scatters(bands.clone()));
-        let scattering = materials
-            .distinct
-            .iter()
-            .filter(|m| m.scatters(bands.clone()));
-        materials.scattering = scattering.count();
+        let of = |index, wall| {
+            let material = *scene.material(index, wall).unwrap_or(&Material::MIRROR);
+            let transmits = transmits(index, &material);
+            Distinct {
+                material,
+                transmits,
+            }
+        };
+        let scatters = |one: &Distinct| one.material.scatters(bands.clone());
+        materials.distinct = distinct(faces(scene).map(|(index, wall)| of(index, wall)));
+        // Both the materials that scatter and those that transmit are consecutive.
+        let order = |one: &Distinct| match (scatters(one), one.transmits) {
+            (true, transmits) => u8::from(transmits),
+            (false, transmits) => 3 - u8::from(transmits),
+        };
+        materials.distinct.sort_by_key(order);
+        let all = &materials.distinct;
+        let first = all.iter().position(|one| one.transmits).unwrap_or(0);
+        let transmitting = all.iter().filter(|one| one.transmits).count();
+        materials.scattering = all.iter().filter(|one| scatters(one)).count();
+        materials.transmitting = first..first + transmitting;
         let numbers = materials.numbers();
         let number = |index, wall| {
-            let material = scene.material(index, wall).unwrap_or(&Material::MIRROR);
-            numbers.get(&bits_of(material)).copied().unwrap_or(0.0)
+            let key = of(index, wall).bits();
+            numbers.get(&key).copied().unwrap_or(0.0)
         };
         let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
         let of_surfaces: Vec<f32> = of_surfaces.collect();
@@ -94,7 +136,7 @@ impl Materials {
     fn numbers(&self) -> HashMap<MaterialBits, f32> {
         let all = self.distinct.iter().enumerate();
         let number = |place: usize, material| (place + 1) as f32 + 0.5 * self.share(material);
-        all.map(|(place, material)| (bits_of(material), number(place, material)))
+        all.map(|(place, one)| (one.bits(), number(place, &one.material)))
             .collect()
     }
 
@@ -106,6 +148,16 @@ impl Materials {
     /// Whether any material scatters.
     pub fn scatter(&self) -> bool {
         self.scattering > 0
+    }
+
+    /// Whether the solid of any surface transmits.
+    pub fn transmit(&self) -> bool {
+        !self.transmitting.is_empty()
+    }
+
+    /// The materials whose solids transmit: the number before the first of them, and the number of the last one.
+    pub fn transmitting(&self) -> Range<usize> {
+        self.transmitting.clone()
     }
 
     /// Number of distinct materials. This count is added to the number of an event if the wave is scattered.
@@ -176,15 +228,15 @@ impl Materials {
     /// The share of the energy that remains after each event, by the event's number. The values for bands that other
     /// waves carry are meaningless.
     pub fn left(&self) -> Vec<Bands> {
-        let mirrored = self.distinct.iter().map(|material| {
-            self.left_of(material, |scattered, share| match share < 1.0 {
+        let mirrored = self.distinct.iter().map(|one| {
+            self.left_of(&one.material, |scattered, share| match share < 1.0 {
                 true => (1.0 - scattered) / (1.0 - share),
                 false => 0.0,
             })
         });
         let scattered = self.distinct[..self.scattering]
             .iter()
-            .map(|material| self.left_of(material, |scattered, share| scattered / share));
+            .map(|one| self.left_of(&one.material, |scattered, share| scattered / share));
         let nothing_lost = std::iter::once([1.0; BAND_COUNT]);
         nothing_lost.chain(mirrored).chain(scattered).collect()
     }
@@ -214,38 +266,6 @@ impl Materials {
     pub fn is_scattered(&self, event: usize) -> bool {
         event > self.distinct.len()
     }
-}
-
-/// A material as the key of a map: absorption and scattering, bit for bit.
-type MaterialBits = [[u64; BAND_COUNT]; 2];
-
-fn bits_of(material: &Material) -> MaterialBits {
-    // The addition turns −0 into 0.
-    [&material.absorption, &material.scattering].map(|bands| bands.map(|of| (of + 0.0).to_bits()))
-}
-
-/// The distinct materials except perfect mirrors, in the order in which they first occur on surfaces.
-fn distinct(scene: &Scene) -> Vec<Material> {
-    let mut known = HashSet::new();
-    let met = materials_met(scene).filter(|material| !material.is_mirror());
-    met.filter(|material| known.insert(bits_of(material)))
-        .copied()
-        .collect()
-}
-
-/// The materials of all surfaces and walls, with repetitions. For a room these are the materials of its walls.
-pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
-    let all = (0..scene.surfaces.len()).flat_map(of_surface);
-    all.map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
-}
-
-/// The walls of a room, or `None` for any other surface as a whole.
-fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
-    let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
-    let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
-    let whole = std::iter::once(None).filter(move |_| !is_room);
-    walls.chain(whole)
 }
 
 /// The mean scattered share over some bands.
@@ -303,8 +323,8 @@ fn reflections(absorption: &Bands, band: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::shape::{Room, Sphere};
-    use crate::{Listener, Source, Surface};
+    use crate::scene::shape::{Cuboid, Room, Sphere};
+    use crate::{Listener, Node, Source, Surface};
     use glam::Vec3;
 
     fn material(number: u32) -> Material {
@@ -401,6 +421,35 @@ mod tests {
         assert_eq!(walls.as_flattened()[..6], uniforms[..6]);
         let most: Vec<usize> = vec![0; MOST_IN_UNIFORMS - 4];
         assert!(materials.uniform_values(&most).is_empty());
+    }
+
+    /// Protects passages through solids: the numbers of materials that transmit are consecutive, the materials that
+    /// scatter come first, and the walls of rooms do not transmit.
+    #[test]
+    fn materials_that_transmit_have_consecutive_numbers() {
+        let mut scene = scene();
+        let pane = Material::builtin("glass").expect("a built-in material");
+        let rough = pane.scattering_by(0.25);
+        scene.materials.insert("rough pane".to_owned(), rough);
+        let size = Vec3::ONE;
+        for name in ["m1", "glass", "m3", "rough pane", "m2"] {
+            let surface = Surface::new(Cuboid { size }).with_material(name);
+            scene.surfaces.push(surface);
+        }
+        let room = Surface::new(Room { size }).with_material("glass");
+        scene.surfaces.push(room);
+        let of = Materials::with_transmission(&scene, 0..BAND_COUNT);
+        let numbers = |surfaces: Range<usize>| of.of_surfaces()[surfaces].iter();
+        let count = scene.surfaces.len();
+        let passes = |number: &f32| of.transmitting().contains(&(number.floor() as usize - 1));
+        let found: Vec<bool> = numbers(count - 6..count).map(passes).collect();
+        assert_eq!(found, [false, true, false, true, false, false]);
+        assert_eq!(of.transmitting().len(), 2);
+        let scattering = of.scattering;
+        let scatters = |one: &Distinct| one.material.scatters(0..BAND_COUNT);
+        assert!(of.distinct[..scattering].iter().all(scatters));
+        assert!(!of.distinct[scattering..].iter().any(scatters));
+        assert!(!Materials::of(&scene, 0..BAND_COUNT).transmit());
     }
 
     fn groups(materials: &[(f64, Bands)]) -> Vec<Range<usize>> {

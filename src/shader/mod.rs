@@ -25,6 +25,7 @@ mod arrivals_shader;
 mod cells;
 mod compiled_scene;
 mod covered_faces;
+mod distinct_materials;
 mod layout;
 mod materials;
 mod origin_rebasing;

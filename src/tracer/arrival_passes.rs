@@ -2,9 +2,11 @@
 
 use super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
-    Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
+    Listed, MOST_PASSAGES, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow,
+    kept, listed_rows, open_volume, thinned,
 };
 use super::gpu_scene::check_uniforms;
+use super::passage_passes::Waves;
 use super::prepared::{FramePrograms, PreparedFrame};
 use super::programs::{ScenePass, loops_asked, start_order};
 use super::start_order::Starts;
@@ -17,7 +19,7 @@ use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair, Scene, Source};
 use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
-use glam::{Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
@@ -31,10 +33,10 @@ const FARTHER: f64 = 3e-4;
 const OWN_VECTORS: usize = 40;
 
 /// The constant data of one call of [`Tracer::arrivals`].
-struct Run {
-    frame: PreparedFrame,
-    program: Rc<Program>,
-    replay: Replay,
+pub(super) struct Run {
+    pub frame: PreparedFrame,
+    pub program: Rc<Program>,
+    pub replay: Replay,
     /// The wave that starts at a texel.
     order: StartOrderText,
     /// The values of `uMaterials`.
@@ -80,7 +82,8 @@ impl Tracer {
     /// Follows waves past the listener, which does not stop them, and passes every crossing of the listener's sphere to
     /// `take`. The crossings are in the order of the waves, for 262,144 waves and a number of iterations at a time. The
     /// same input gives the same arrivals, bit for bit on one renderer. If bands scatter differently, the waves are
-    /// followed once for each group of bands that scatter alike. The energies of all other bands are then 0.
+    /// followed once for each group of bands that scatter alike. The energies of all other bands are then 0. No wave
+    /// passes a solid.
     ///
     /// From `settings`, only the algorithm, the waves, the seed, the directions and the maximum distance are used.
     /// `how` determines the distance for which waves are followed. `take` must not call OpenGL.
@@ -131,6 +134,20 @@ impl Tracer {
         waves: &WavesToFollow,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<Followed, Error> {
+        self.arrivals_through(pair, settings, how, waves, take, None)
+    }
+
+    /// Follows waves like [`arrivals_of`](Self::arrivals_of), and then the parts of their energy that pass solids. The
+    /// counts are those of the waves from the source.
+    pub(crate) fn arrivals_through(
+        &mut self,
+        pair: Pair,
+        settings: &Settings,
+        how: &ArrivalSettings,
+        waves: &WavesToFollow,
+        take: &mut dyn FnMut(Arrival),
+        transmitting: Option<Transmitting>,
+    ) -> Result<Followed, Error> {
         let settings = match waves {
             WavesToFollow::Numbers(_) => settings.clone(),
             WavesToFollow::Starts { waves, .. } => settings.clone().with_waves(*waves),
@@ -144,21 +161,35 @@ impl Tracer {
         };
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            let run = tracer.prepare_arrivals(pair, &settings, how)?;
+            let materials = match &transmitting {
+                None => Materials::of(pair.scene, how.bands.clone()),
+                Some(_) => Materials::with_transmission(pair.scene, how.bands.clone()),
+            };
+            let run = tracer.prepare_arrivals(pair, &settings, how, materials)?;
             let mut counts = ArrivalCounts {
                 open_volume_m3: run.open_volume_m3,
                 ..ArrivalCounts::default()
             };
-            let mut cut_off_m = Vec::new();
+            let (mut cut_off_m, mut passages) = (Vec::new(), Vec::new());
             for numbers in waves.blocks(WAVES_IN_BLOCK) {
                 let starts = waves.starts(&numbers);
                 let starts = starts.as_deref();
                 let of_block = numbers.start as usize..numbers.end as usize;
                 let directed = directed.as_ref().map(|all| &all[of_block]);
                 let energies = start_energies(&run, pair.source, (starts, directed), numbers.len());
-                let from = (numbers, starts, energies);
-                let block = tracer.arrivals_of_block(&run, from, &mut counts, take)?;
+                let waves = Waves::FromSource(numbers.clone(), starts, energies);
+                let mut of_block = Vec::new();
+                let (block, arrivals) =
+                    tracer.arrivals_of_block(&run, waves, &mut of_block, take)?;
+                block.count(&mut counts);
+                counts.arrivals += arrivals;
                 cut_off_m.extend(block.cut_off_m());
+                let most = kept(numbers.len() as u32, 1);
+                passages.extend(thinned(of_block, most, run.passage_seed(1, numbers.start)));
+            }
+            if let Some(transmitting) = transmitting {
+                let are_heard = counts.arrivals > 0;
+                tracer.arrivals_of_passages(&run, (passages, are_heard), transmitting)?;
             }
             let waves = f64::from(settings.waves);
             counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
@@ -171,6 +202,7 @@ impl Tracer {
         pair: Pair,
         settings: &Settings,
         how: &ArrivalSettings,
+        materials: Materials,
     ) -> Result<Run, Error> {
         let scene = pair.scene;
         let profile = settings.profile();
@@ -181,7 +213,6 @@ impl Tracer {
         how.validate()?;
         let mut settings = settings.clone().with_count_evaluations(false);
         settings.algorithm = Algorithm::of(profile);
-        let materials = Materials::of(scene, how.bands.clone());
         let asked = loops_asked(&settings);
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let order = start_order(scene, &settings);
@@ -215,7 +246,13 @@ impl Tracer {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
             order,
-            replay: replay(pair, &settings, how, (materials, open_volume_m3)),
+            replay: replay(
+                pair,
+                &settings,
+                how,
+                (materials, open_volume_m3),
+                frame.origin,
+            ),
             open_volume_m3,
             iterations: how.iterations,
             least_energy: how.least_energy,
@@ -242,43 +279,34 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows the waves of a block, with their initial energies, through all their chunks. While one chunk is drawn,
-    /// the previous chunk is summed.
-    fn arrivals_of_block(
+    /// Follows the waves of a block through all their chunks, and returns the number of their arrivals. While one chunk
+    /// is drawn, the previous chunk is summed.
+    pub(super) fn arrivals_of_block(
         &mut self,
         run: &Run,
-        (numbers, starts, energies): (Range<u32>, Option<&[Start]>, Vec<Bands>),
-        counts: &mut ArrivalCounts,
+        waves: Waves,
+        passages: &mut Vec<Passage>,
         take: &mut dyn FnMut(Arrival),
-    ) -> Result<Block, Error> {
+    ) -> Result<(Block, u64), Error> {
         let Some(mut targets) = self.arrival_targets.take() else {
             return Err(TraceError::NothingTraced.into());
         };
         let grid = Grid {
-            waves: numbers.len() as u32,
+            waves: waves.count(),
             ..targets.grid
         };
-        let Settings {
-            directions,
-            seed,
-            waves,
-            ..
-        } = run.frame.settings;
-        let of_settings = Starts::new(directions, seed, waves, numbers.clone());
-        let order = targets.sort_starts(&self.context, (grid, run.order), (of_settings, starts))?;
-        if let Some(starts) = starts {
-            targets.upload_starts(run.frame.start(), starts)?;
-        }
-        let mut block = Block::new(numbers.start, (grid, order), energies);
+        let mut block = self.start_block(run, &mut targets, grid, &waves)?;
         let mut part = Part {
-            first_wave: numbers.start,
-            is_uploaded: starts.is_some(),
+            first_wave: waves.first(),
+            is_uploaded: waves.are_uploaded(),
             first_iteration: 0,
             iterations: run.iterations_in_chunk.min(run.iterations),
             rows: 0..grid.waves.div_ceil(grid.width),
         };
         self.set_arrival_uniforms(run, grid);
+        self.set_passage_uniforms(run, waves.generation());
         self.draw_chunk(run, &targets, &part)?;
+        let mut arrivals = 0;
         loop {
             targets.read(part.rows.end)?;
             block.rows = part.rows.clone();
@@ -290,7 +318,11 @@ impl Tracer {
                 self.draw_chunk(run, &targets, next)?;
             }
             let chunk = targets.chunk(&listed, part.iterations);
-            counts.arrivals += block.replay(&run.replay, &chunk, take);
+            arrivals += block.replay(&run.replay, &chunk, passages, take);
+            if passages.len() > MOST_PASSAGES {
+                let seed = run.passage_seed(waves.generation(), block.iterations);
+                *passages = thinned(std::mem::take(passages), MOST_PASSAGES / 2, seed);
+            }
             match next {
                 // If no energy is left, the chunk that is being drawn is not read.
                 Some(next) if block.has_energy(run.least_energy) => part = next,
@@ -301,9 +333,42 @@ impl Tracer {
                 None => break,
             }
         }
-        block.count(counts);
         self.arrival_targets = Some(targets);
-        Ok(block)
+        Ok((block, arrivals))
+    }
+
+    /// Sorts and uploads the starts of a block.
+    fn start_block(
+        &self,
+        run: &Run,
+        targets: &mut ArrivalTargets,
+        grid: Grid,
+        waves: &Waves,
+    ) -> Result<Block, Error> {
+        let Settings {
+            directions,
+            seed,
+            waves: of,
+            ..
+        } = run.frame.settings;
+        let (context, grid_and_order) = (&self.context, (grid, run.order));
+        let (numbers, given) = waves.starts();
+        let of_settings = Starts::new(directions, seed, of, numbers);
+        let order =
+            targets.sort_starts(context, grid_and_order, (of_settings, given.as_deref()))?;
+        match waves {
+            Waves::FromSource(numbers, starts, energies) => {
+                if let Some(starts) = starts {
+                    targets.upload_starts(run.frame.start(), starts)?;
+                }
+                Ok(Block::new(numbers.start, (grid, order), energies.clone()))
+            }
+            Waves::Passages(passages, ..) => {
+                let local = |point: DVec3| (point - run.replay.origin).as_vec3();
+                targets.upload_passages(passages, local)?;
+                Ok(Block::of_passages((grid, order), passages))
+            }
+        }
     }
 
     fn set_arrival_uniforms(&self, run: &Run, grid: Grid) {
@@ -380,6 +445,7 @@ impl Tracer {
         let is_start = part.first_iteration == 0 && !part.is_uploaded;
         program.set_i32("uIsStart", i32::from(is_start));
         program.set_u32("uStartIteration", part.first_iteration);
+        program.set_u32("uIterationsBefore", part.first_iteration);
         program.set_u32("uFirstWave", part.first_wave);
         program.set_i32("uIterationsInChunk", part.iterations as i32);
         let evaluations = run.frame.evaluations(&self.context, part.iterations);
@@ -455,6 +521,7 @@ fn replay(
     settings: &Settings,
     how: &ArrivalSettings,
     (of, volume): (Materials, f64),
+    origin: Vec3,
 ) -> Replay {
     let density = match volume > 0.0 {
         true => 1.0 / (volume * f64::from(settings.waves)),
@@ -466,5 +533,6 @@ fn replay(
         chord_unit: 4.0 * f64::from(pair.listener.radius),
         density,
         events: EventTable::of(of),
+        origin: origin.as_dvec3(),
     }
 }

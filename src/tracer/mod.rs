@@ -20,6 +20,7 @@ mod frame_steps;
 mod gpu_scene;
 mod heard_paths;
 mod order_table;
+mod passage_passes;
 mod prepared;
 mod programs;
 mod read_back;
@@ -43,7 +44,7 @@ pub use crate::shader::Directions;
 use crate::shader::{Materials, StartOrderText, Structure};
 use arrivals::ArrivalTargets;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
-pub(crate) use arrivals::{Followed, Start, WavesToFollow};
+pub(crate) use arrivals::{FarEnd, Followed, SolidHit, Start, Transmitting, WavesToFollow};
 pub use error::TraceError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use field_trial::answer_field_trial;

@@ -12,7 +12,7 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Phase in radians between the longest string around an obstacle and the straight line at which their factors count half: a narrower obstacle
 /// disturbs the front as a thin screen does.

@@ -13,18 +13,23 @@ mod sphere;
 
 pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};
 
-use super::ResponseSettings;
 use super::source_sound::Medium;
+use super::{ResponseSettings, transmission};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
+use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Pair;
-use crate::tracer::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
+use crate::tracer::{
+    ArrivalCounts, ArrivalSettings, Followed, Settings, SolidHit, Tracer, Transmitting,
+    WavesToFollow,
+};
 use crate::{bands, shader};
 use glam::Vec3;
 use importance::Importance;
 use pilot::Pilot;
 use sphere::NearScattering;
+use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -52,6 +57,8 @@ pub(super) struct Arrivals {
     pub counts: ArrivalCounts,
     /// Early arrivals, counted in the listener's own sphere.
     pub early: Vec<Arrival>,
+    /// Arrivals that have passed solids and were not reflected.
+    pub straight: Echogram,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,
 }
@@ -66,16 +73,19 @@ pub(super) fn arrivals(
 ) -> Result<Arrivals, Error> {
     let mut found = Arrivals {
         bias: echogram.without_arrivals(),
+        straight: echogram.without_arrivals(),
         echogram,
         counts: ArrivalCounts::of_none(),
         early: Vec::new(),
         travel_on: None,
     };
+    let solids = transmission::solids(heard_in.0, settings)?;
     for bands in shader::band_groups(heard_in.0.scene) {
         let how = how
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
+        let heard_in = (heard_in, solids.as_ref());
         let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
         found.counts = found.counts.and(counts);
         // The arrivals come in chunks of iterations for each band group in turn.
@@ -107,7 +117,7 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
 fn add_arrivals(
     found: &mut Arrivals,
     tracer: &mut Tracer,
-    (pair, medium, late): (Pair, &Medium, LateSphere),
+    ((pair, medium, late), solids): ((Pair, &Medium, LateSphere), Option<&ExactScene>),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
 ) -> Result<ArrivalCounts, Error> {
@@ -116,11 +126,24 @@ fn add_arrivals(
     let share = (pair.listener.radius / late.radius_m).powi(2);
     let trace = settings.late_trace();
     if share >= 1.0 && trace == settings.trace {
+        let echogram = RefCell::new(echogram);
+        let add = |arrival: &Arrival| medium.add(*echogram.borrow_mut(), arrival);
         let mut sort = |arrival: Arrival| match arrival.is_early {
             true => early.push(arrival),
-            false => medium.add(echogram, &arrival),
+            false => add(&arrival),
         };
-        let followed = tracer.arrivals_of(pair, &settings.trace, how, &all, &mut sort)?;
+        let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids?, hit);
+        let straight = &mut found.straight;
+        let mut passed = |arrival: Arrival| match arrival.reflections {
+            0 => medium.add(straight, &arrival),
+            _ => add(&arrival),
+        };
+        let passing = solids.is_some().then_some(Transmitting {
+            through: &through,
+            take: &mut passed,
+        });
+        let followed =
+            tracer.arrivals_through(pair, &settings.trace, how, &all, &mut sort, passing)?;
         return Ok(followed.counts());
     }
     let few = how.clone().with_iterations(how.early_order + 1);
@@ -142,7 +165,9 @@ fn add_arrivals(
         pair: pair.with_listener(&wide),
         how: &how,
         medium,
+        solids,
         echogram,
+        straight: &mut found.straight,
         near: &mut near.wide,
     };
     // Surfaces that focus sound spread waves of one direction, so pilot waves predict little in such scenes.
@@ -163,7 +188,11 @@ struct LateWaves<'a> {
     pair: Pair<'a>,
     how: &'a ArrivalSettings,
     medium: &'a Medium,
+    /// The solids that waves may pass; `None` without transmission.
+    solids: Option<&'a ExactScene>,
     echogram: &'a mut Echogram,
+    /// Sound that has passed solids and was not reflected.
+    straight: &'a mut Echogram,
     /// Sound scattered after few reflections; empty if there are pilot waves, because these are only mirrored.
     near: &'a mut Echogram,
 }
@@ -179,7 +208,7 @@ impl LateWaves<'_> {
         if pilot_waves == 0 {
             return self.follow_unpiloted(trace, batches);
         }
-        let before = self.echogram.clone();
+        let before = [self.echogram.clone(), self.straight.clone()];
         let half = pilot_waves / 2;
         let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
         pilot.begin(half);
@@ -192,7 +221,7 @@ impl LateWaves<'_> {
             return Ok(first.and(self.follow(trace, &numbers, None)?));
         };
         let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
-        *self.echogram = before;
+        [*self.echogram, *self.straight] = before;
         let waves = trace.waves - pilot_waves;
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
@@ -239,25 +268,41 @@ impl LateWaves<'_> {
         &mut self,
         trace: &Settings,
         waves: &WavesToFollow,
-        mut pilot: Option<&mut Pilot>,
+        pilot: Option<&mut Pilot>,
     ) -> Result<Followed, Error> {
-        let (medium, echogram, near) = (self.medium, &mut *self.echogram, &mut *self.near);
+        let (scene, medium, solids) = (self.pair.scene, self.medium, self.solids);
         let early_order = self.how.early_order;
+        let late = RefCell::new((&mut *self.echogram, pilot));
+        let add = |arrival: &Arrival| {
+            let (echogram, pilot) = &mut *late.borrow_mut();
+            medium.add(echogram, arrival);
+            if let Some(pilot) = pilot {
+                let seconds = arrival.length_m / medium.speed;
+                pilot.add(arrival.wave, seconds, &medium.heard(arrival));
+            }
+        };
+        let near = &mut *self.near;
         let mut take = |arrival: Arrival| {
             if arrival.is_early {
                 return;
             }
-            if arrival.reflections <= early_order {
-                return medium.add(near, &arrival);
-            }
-            medium.add(echogram, &arrival);
-            if let Some(pilot) = &mut pilot {
-                let seconds = arrival.length_m / medium.speed;
-                pilot.add(arrival.wave, seconds, &medium.heard(&arrival));
+            match arrival.reflections <= early_order {
+                true => medium.add(near, &arrival),
+                false => add(&arrival),
             }
         };
+        let through = |hit: &SolidHit| transmission::of_wave(scene, solids?, hit);
+        let straight = &mut *self.straight;
+        let mut passed = |arrival: Arrival| match arrival.reflections {
+            0 => medium.add(straight, &arrival),
+            _ => add(&arrival),
+        };
+        let passing = solids.is_some().then_some(Transmitting {
+            through: &through,
+            take: &mut passed,
+        });
         self.tracer
-            .arrivals_of(self.pair, trace, self.how, waves, &mut take)
+            .arrivals_through(self.pair, trace, self.how, waves, &mut take, passing)
     }
 }
 

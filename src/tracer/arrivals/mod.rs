@@ -13,16 +13,23 @@
 //! | `settings.rs` | settings, the waves to follow and their starts, and counts |
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and their read-back |
+//! | `passages.rs` | the parts of waves that continue through solids |
 //! | `replay.rs` | the computation of arrivals from records |
 //! | `../tracer/arrival_passes.rs` | the passes |
 
 mod events;
+mod passages;
 mod replay;
 mod settings;
 mod targets;
 mod volume;
 
 pub(super) use events::EventTable;
+pub(crate) use passages::{FarEnd, SolidHit, Transmitting};
+pub(super) use passages::{
+    LEAST_GENERATION, MOST_PASSAGES, PASSAGE_SHARE, Passage, kept, kept_beside_waves, loudest,
+    thinned,
+};
 pub(super) use replay::{Block, Listed, Replay};
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use settings::{Followed, Start, WavesToFollow};

@@ -4,6 +4,7 @@ use super::super::Grid;
 use super::super::start_order::StartOrder;
 use super::ArrivalCounts;
 use super::events::{EventTable, Events};
+use super::passages::Passage;
 use crate::arrival::Arrival;
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
@@ -13,6 +14,9 @@ use std::rc::Rc;
 /// The factor of the fate in a tally, which is the number of crossings plus this factor times the fate
 /// (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
+
+/// Maximum fraction of the record of a crossing. The fraction of a passage is 0.75 (`glsl/arrivals/passages.glsl`).
+const MOST_CHORD: f32 = 0.6;
 
 /// The constants from which arrivals are computed.
 #[derive(Clone, Debug)]
@@ -27,6 +31,8 @@ pub struct Replay {
     pub density: f64,
     /// The effect of reflections; `None` if no surface absorbs or scatters.
     pub events: Option<EventTable>,
+    /// World position of the shaders' origin in metres.
+    pub origin: DVec3,
 }
 
 /// A wave that is drawn again because it has more crossings than records.
@@ -63,8 +69,17 @@ impl Fate {
 struct WaveSoFar {
     length: f64,
     fate: Fate,
-    /// Whether the wave was never scattered.
+    /// Whether the wave was never scattered, and has passed no solid.
     is_mirrored: bool,
+}
+
+/// The passages that waves continue ([`Block::of_passages`]).
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    /// Number of the wave from the source.
+    wave: u32,
+    /// Reflections before the passage.
+    reflections: u32,
 }
 
 /// The waves of a block, and their progress.
@@ -79,6 +94,8 @@ pub struct Block {
     energy_at_start: f64,
     /// The remaining energies of the waves; empty if all energies stay 1.
     energies: Vec<Bands>,
+    /// The waves before they passed solids; empty if the block's waves come from the source.
+    before: Vec<Before>,
     /// Rows with waves that are still followed.
     pub rows: Range<u32>,
     /// Iterations before the current chunk.
@@ -124,9 +141,29 @@ impl Block {
             },
             waves: vec![start; grid.waves as usize],
             energies,
+            before: Vec::new(),
             rows: 0..grid.height,
             iterations: 0,
         }
+    }
+
+    /// The waves that continue passages, in their order.
+    pub fn of_passages(
+        (grid, order): (Grid, Option<Rc<StartOrder>>),
+        passages: &[Passage],
+    ) -> Block {
+        let energy = |passage: &Passage| passage.energy.map(f64::from);
+        let mut block = Block::new(0, (grid, order), passages.iter().map(energy).collect());
+        for (wave, passage) in block.waves.iter_mut().zip(passages) {
+            wave.length = passage.length_m;
+            wave.is_mirrored = false;
+        }
+        let before = |passage: &Passage| Before {
+            wave: passage.wave,
+            reflections: passage.reflections,
+        };
+        block.before = passages.iter().map(before).collect();
+        block
     }
 
     /// The texels with waves in the rows that are still followed.
@@ -175,8 +212,14 @@ impl Block {
     }
 
     /// Replays the waves through a chunk, and passes their arrivals to `take`: wave by wave, and for each wave in the
-    /// order of its flight. Returns the number of arrivals.
-    pub fn replay(&mut self, with: &Replay, chunk: &Chunk, take: &mut dyn FnMut(Arrival)) -> u64 {
+    /// order of its flight. Returns the number of arrivals. Passages at solids are added to `passages`.
+    pub fn replay(
+        &mut self,
+        with: &Replay,
+        chunk: &Chunk,
+        passages: &mut Vec<Passage>,
+        take: &mut dyn FnMut(Arrival),
+    ) -> u64 {
         let records = chunk.records.len();
         let mut listed = 0;
         let mut taken = 0;
@@ -189,7 +232,7 @@ impl Block {
                 .events
                 .as_ref()
                 .map(|table| table.events(chunk.tally[at + 3], words));
-            for crossing in 0..crossings {
+            let record = |crossing: usize| {
                 let (texels, place) = match crossing < records {
                     true => (&chunk.records[crossing], at),
                     false => {
@@ -197,9 +240,23 @@ impl Block {
                         (&chunk.listed[crossing % records], 4 * entry)
                     }
                 };
-                let record = &texels[place..place + 4];
-                let iteration = record[1].abs().floor() as u32;
+                &texels[place..place + 4]
+            };
+            let mut crossing = 0;
+            while crossing < crossings {
+                let here = record(crossing);
+                crossing += 1;
+                let iteration = here[1].abs().floor() as u32;
                 self.suffer(wave, events.as_mut(), iteration);
+                if here[1].abs().fract() > MOST_CHORD {
+                    if crossing < crossings {
+                        let records = [here, record(crossing)];
+                        passages.extend(self.passage(with, wave, iteration, records));
+                    }
+                    crossing += 1;
+                    continue;
+                }
+                let record = here;
                 if let Some(arrival) = self.arrival(with, wave, iteration, record) {
                     take(arrival);
                     taken += 1;
@@ -242,13 +299,53 @@ impl Block {
         }
         let reflections = self.iterations + iteration;
         Some(Arrival {
-            wave: self.first + wave,
+            wave: self.before(wave).wave,
             is_early: so_far.is_mirrored && reflections <= with.early_order,
-            reflections,
+            reflections: self.before(wave).reflections + reflections,
             length_m,
             direction: direction(record),
             energy,
         })
+    }
+
+    /// The recorded passage: a record like that of a crossing, and the place. `None` if the passage is beyond the
+    /// distance limit or has no energy.
+    fn passage(
+        &self,
+        with: &Replay,
+        wave: u32,
+        iteration: u32,
+        records: [&[f32]; 2],
+    ) -> Option<Passage> {
+        let [way, place] = records;
+        let length_m = self.waves[wave as usize].length + f64::from(way[0]);
+        let energy = self.energy(wave as usize);
+        if length_m > with.length_limit || energy == [0.0; BAND_COUNT] {
+            return None;
+        }
+        let local = DVec3::new(place[0].into(), place[1].into(), place[2].into());
+        let before = self.before(wave);
+        Some(Passage {
+            wave: before.wave,
+            surface: place[3] as u32,
+            reflections: before.reflections + self.iterations + iteration,
+            point: with.origin + local,
+            direction: direction(way).as_vec3(),
+            length_m,
+            energy: energy.map(|energy| energy as f32),
+        })
+    }
+
+    /// The wave from the source, and its reflections before it became this wave.
+    fn before(&self, wave: u32) -> Before {
+        let from_source = Before {
+            wave: self.first + wave,
+            reflections: 0,
+        };
+        self.before
+            .get(wave as usize)
+            .copied()
+            .unwrap_or(from_source)
     }
 
     /// The remaining energy of the wave with this number.

@@ -3,12 +3,13 @@
 use super::super::Grid;
 use super::super::order_table::OrderTable;
 use super::super::start_order::{StartOrder, Starts};
-use super::super::waves::start_texels;
+use super::super::waves::{STATUS_DEAD, start_texels};
+use super::passages::Passage;
 use super::replay::{Chunk, Listed};
 use super::settings::Start;
 use crate::gl::{AsyncRead, Context, GpuError, Program, RenderTarget, Texture};
 use crate::shader::{ArrivalsText, StartOrderText};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::rc::Rc;
 
 /// Waves per row of a list.
@@ -126,12 +127,40 @@ impl ArrivalTargets {
     pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let mut directions: Vec<Vec3> = starts.iter().map(|start| start.direction).collect();
-        if let Some(order) = self.order.as_ref().map(OrderTable::order) {
-            for (wave, start) in starts.iter().enumerate() {
-                directions[order.texel(wave as u32) as usize] = start.direction;
-            }
+        for (wave, start) in starts.iter().enumerate() {
+            directions[self.texel(wave)] = start.direction;
         }
         let [origins, directions] = start_texels(start, directions.into_iter(), texels);
+        self.upload([&origins, &directions])
+    }
+
+    /// Writes the starts of waves that continue passages. `local` returns a world point in the shaders' coordinates.
+    pub fn upload_passages(
+        &self,
+        passages: &[Passage],
+        local: impl Fn(DVec3) -> Vec3,
+    ) -> Result<(), GpuError> {
+        let texels = (self.grid.width * self.grid.height) as usize;
+        let nowhere = Vec3::ZERO.extend(STATUS_DEAD).to_array();
+        let (mut origins, mut directions) = (vec![nowhere; texels], vec![[0.0; 4]; texels]);
+        for (wave, passage) in passages.iter().enumerate() {
+            let texel = self.texel(wave);
+            let status = passage.surface as f32;
+            origins[texel] = local(passage.point).extend(status).to_array();
+            let flown = passage.length_m as f32;
+            directions[texel] = passage.direction.extend(flown).to_array();
+        }
+        self.upload([&origins, &directions])
+    }
+
+    /// The texel of a wave of the block.
+    fn texel(&self, wave: usize) -> usize {
+        let order = self.order.as_ref().map(OrderTable::order);
+        order.map_or(wave, |order| order.texel(wave as u32) as usize)
+    }
+
+    /// Writes the waves at the start of a block.
+    fn upload(&self, [origins, directions]: [&[[f32; 4]]; 2]) -> Result<(), GpuError> {
         let [first, second] = self.current();
         first.upload(origins.as_flattened())?;
         second.upload(directions.as_flattened())

@@ -1,0 +1,133 @@
+//! The passes that trace passages of waves through solids, generation by generation (`arrivals/passages.rs`).
+
+use super::Tracer;
+use super::arrival_passes::Run;
+use super::arrivals::{
+    LEAST_GENERATION, PASSAGE_SHARE, Passage, Start, Transmitting, WAVES_IN_BLOCK, kept,
+    kept_beside_waves, loudest, thinned,
+};
+use crate::bands::Bands;
+use crate::error::Error;
+use crate::sampling::hash;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The waves of a block.
+pub(super) enum Waves<'a> {
+    /// Waves with these numbers, their starts, unless the settings determine them, and their initial energies.
+    FromSource(Range<u32>, Option<&'a [Start]>, Vec<Bands>),
+    /// Waves that continue passages of a generation, from 1, and the number of the first of them.
+    Passages(&'a [Passage], u32, u32),
+}
+
+impl Waves<'_> {
+    pub fn count(&self) -> u32 {
+        match self {
+            Waves::FromSource(numbers, ..) => numbers.len() as u32,
+            Waves::Passages(passages, ..) => passages.len() as u32,
+        }
+    }
+
+    /// Number of the first wave.
+    pub fn first(&self) -> u32 {
+        match self {
+            Waves::FromSource(numbers, ..) => numbers.start,
+            Waves::Passages(.., first) => *first,
+        }
+    }
+
+    /// Whether textures contain the starts.
+    pub fn are_uploaded(&self) -> bool {
+        matches!(self, Waves::FromSource(_, Some(_), _) | Waves::Passages(..))
+    }
+
+    /// Numbers of the waves from the source, and the starts of all waves that the settings do not determine.
+    pub fn starts(&self) -> (Range<u32>, Option<Vec<Start>>) {
+        match self {
+            Waves::FromSource(numbers, starts, _) => {
+                (numbers.clone(), starts.map(<[Start]>::to_vec))
+            }
+            Waves::Passages(passages, ..) => {
+                let start = |passage: &Passage| Start {
+                    direction: passage.direction,
+                    weight: 1.0,
+                };
+                (0..0, Some(passages.iter().map(start).collect()))
+            }
+        }
+    }
+
+    /// The generation; 0 for waves from the source.
+    pub fn generation(&self) -> u32 {
+        match self {
+            Waves::FromSource(..) => 0,
+            Waves::Passages(_, generation, _) => *generation,
+        }
+    }
+}
+
+impl Run {
+    /// The seed of random numbers for passages of a generation and a block.
+    pub fn passage_seed(&self, generation: u32, block: u32) -> u64 {
+        let which = u64::from(generation) << 32 | u64::from(block);
+        hash(hash(which).wrapping_add(self.frame.settings.seed.into()))
+    }
+}
+
+impl Tracer {
+    /// Follows passages of waves, their passages, and so on, until their energy is negligible. `are_heard` states
+    /// whether waves from the source arrived.
+    pub(super) fn arrivals_of_passages(
+        &mut self,
+        run: &Run,
+        (mut passages, are_heard): (Vec<Passage>, bool),
+        transmitting: Transmitting,
+    ) -> Result<(), Error> {
+        let Transmitting { through, take } = transmitting;
+        let waves = run.frame.settings.waves;
+        let least = LEAST_GENERATION * f64::from(waves);
+        for generation in 1.. {
+            let behind = passages.par_iter().filter_map(|one| one.behind(through));
+            let mut behind: Vec<Passage> = behind.collect();
+            let energy = loudest(&behind);
+            if energy <= least {
+                break;
+            }
+            if are_heard {
+                let most = kept_beside_waves(waves, generation, energy / f64::from(waves));
+                behind = thinned(behind, most, !run.passage_seed(generation, 0));
+            }
+            let most = kept(waves, generation + 1);
+            passages = Vec::new();
+            let mut first = 0;
+            for block in behind.chunks(waves.min(WAVES_IN_BLOCK) as usize) {
+                let of_block = Waves::Passages(block, generation, first);
+                let mut further = Vec::new();
+                self.arrivals_of_block(run, of_block, &mut further, take)?;
+                let most = most * block.len() / behind.len();
+                let seed = run.passage_seed(generation + 1, first);
+                passages.extend(thinned(further, most.max(1), seed));
+                first += block.len() as u32;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the uniforms of passages. Each generation (0: the waves from the source) has its own random numbers.
+    pub(super) fn set_passage_uniforms(&self, run: &Run, generation: u32) {
+        let Some(events) = &run.replay.events else {
+            return;
+        };
+        let (program, transmitting) = (&run.program, events.materials().transmitting());
+        if transmitting.is_empty() {
+            return;
+        }
+        let numbers = [transmitting.start, transmitting.end].map(|number| number as f32);
+        program.set_vec2("uPassing", numbers.into());
+        program.set_f32("uPassageShare", PASSAGE_SHARE as f32);
+        program.set_u32("uPassageSeed", run.passage_seed(generation, 0) as u32);
+        if generation > 0 {
+            program.set_u32("uSeed", (run.passage_seed(generation, 0) >> 32) as u32);
+        }
+    }
+}
