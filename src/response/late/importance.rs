@@ -113,8 +113,9 @@ impl Importance {
         Importance::by(fine, &wanted)
     }
 
-    /// The distribution by the energy that the source radiates in these bands; `None` if waves may start evenly,
-    /// because there are few of them, their directions are a lattice, or the source radiates almost evenly.
+    /// The distribution by the energy that the source radiates in these bands. `None` if waves start evenly: if there
+    /// are few of them, if their directions are a lattice, if the source radiates almost evenly, or if its lobe is
+    /// narrower than a cell and lies between the middles of the cells.
     pub fn of_source(
         source: &Source,
         bands: &Range<usize>,
@@ -141,7 +142,8 @@ impl Importance {
         let squares = radiated
             .iter()
             .map(|(radiated, share)| radiated * radiated * share);
-        if squares.sum::<f64>() < LEAST_UNEVENNESS * mean * mean {
+        // Both sides are 0 if the lobe lies between the middles of the cells.
+        if squares.sum::<f64>() <= LEAST_UNEVENNESS * mean * mean {
             return None;
         }
         let wanted: Vec<f64> = radiated
@@ -342,6 +344,29 @@ mod tests {
         assert!(of(&narrow, &trace.with_waves(8191)).is_none());
     }
 
+    /// Protects weights from a division of 0 by 0: waves of a lobe that lies between the middles of the cells start
+    /// evenly.
+    #[test]
+    fn waves_start_evenly_if_the_cells_miss_the_lobe() {
+        // A lobe of 1° to the right of the source, where four cells meet.
+        let (sin, cos) = 1_f64.to_radians().sin_cos();
+        let ring = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let ring = ring.map(|[ahead, up]| DVec3::new(sin * ahead, -cos, sin * up));
+        let others = lattice(100).filter(|direction| direction.y > -0.99);
+        let silent = ring
+            .into_iter()
+            .chain(others)
+            .map(|d| (d, [0.0; BAND_COUNT]));
+        let loud = (DVec3::NEG_Y, [1.0; BAND_COUNT]);
+        let balloon = Balloon::new("lobe", silent.chain([loud])).expect("a good balloon");
+        let source = Source::at([0.0; 3]).with_directivity(Directivity::Balloon(balloon.into()));
+        assert!(source.factor(DVec3::X)[0] > 1000.0);
+        let trace = Settings::default()
+            .with_waves(1 << 17)
+            .with_directions(Directions::Random);
+        assert!(Importance::of_source(&source, &(0..BAND_COUNT), &trace).is_none());
+    }
+
     /// Protects even starts: without important directions waves are not drawn by importance.
     #[test]
     fn importance_that_does_not_repeat_is_none() {
@@ -361,7 +386,7 @@ mod tests {
     /// Protects starts without pilot waves: of lattices, which are even only as a whole, of runs with few waves, and of
     /// scenes that scatter.
     #[test]
-    fn some_waves_tell_nothing_of_others() {
+    fn some_runs_have_no_pilot_waves() {
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
         let of = |scene: &Scene, waves: u32, directions| {
             let trace = Settings::default().with_waves(waves);
