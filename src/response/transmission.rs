@@ -25,6 +25,7 @@ use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use crate::error::Error;
 use crate::geometry::{Chord, ExactScene, SolidsAhead};
 use crate::scene::{Exactness, Pair, Scene, Transmission};
+use crate::shader::Materials;
 use crate::tracer::{FarEnd, SolidHit};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -92,23 +93,25 @@ pub(super) fn through(
     })
 }
 
-/// The solids that waves of the late part may pass; `None` without transmission.
+/// The solids that waves of the late part may pass; `None` without transmission, or if no solid of the scene transmits.
 pub(super) fn solids(pair: Pair, settings: &ResponseSettings) -> Result<Option<ExactScene>, Error> {
-    match settings.transmits() {
+    let any_transmits = || Materials::with_transmission(pair.scene, 0..BAND_COUNT).transmit();
+    match settings.transmits() && any_transmits() {
         true => Ok(Some(ExactScene::new(pair)?)),
         false => Ok(None),
     }
 }
 
-/// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side or a solid of it
-/// transmits nothing, and if the share of every band is less than `LEAST_LATE_SHARE`.
+/// The far end of the leaf that a wave of the late part hits. `None` if the leaf has no far side, if a solid of the
+/// leaf transmits nothing, or if the share of every band is less than `LEAST_LATE_SHARE`.
 ///
-/// A plate sounds at the point opposite the hit, so the way through the leaf is upright. All energy that enters one
-/// side of a plate then leaves the other side, also next to its edges. If the wave does not point out of the leaf at this
-/// point, the way continues in the wave's direction.
+/// A plate radiates at the point opposite the hit, so the way through the leaf is normal to the surface that is hit.
+/// All energy that enters one side of a plate then leaves the other side, also next to its edges. If the wave does not
+/// point out of the leaf at the opposite point, the way through the leaf has the wave's direction.
 ///
 /// The sound that leaves through a wall is part of the absorption of the wall's material. The share is therefore at
-/// most the absorption at either side, so that no energy is created, and both ways have the same share.
+/// most the smaller absorption of the two sides. The leaf then creates no energy, and transmits the same share in both
+/// directions.
 pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Option<FarEnd> {
     let ahead = opposite(exact, hit).or_else(|| {
         let ahead = exact.solids_ahead(hit.point, hit.direction)?;
@@ -160,7 +163,8 @@ impl Way {
     }
 }
 
-/// The upright way through the leaf; `None` if the wave does not point out of the leaf at its end.
+/// The way through the leaf normal to the surface that is hit; `None` if the wave does not point out of the leaf at the
+/// end of this way.
 fn opposite(exact: &ExactScene, hit: &SolidHit) -> Option<Way> {
     let inward = -exact.outward(hit.surface, hit.point)?;
     let way = Way::new(exact.solids_ahead(hit.point, inward)?, inward);
