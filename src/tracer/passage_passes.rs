@@ -3,8 +3,8 @@
 use super::Tracer;
 use super::arrival_passes::Run;
 use super::arrivals::{
-    LEAST_GENERATION, PASSAGE_SHARE, Passage, Start, Transmitting, WAVES_IN_BLOCK, kept,
-    kept_beside_waves, loudest, thinned,
+    LEAST_GENERATION, MOST_GENERATIONS, PASSAGE_SHARE, Passage, Start, Transmitting,
+    WAVES_IN_BLOCK, kept, kept_beside_waves, loudest, thinned,
 };
 use crate::bands::Bands;
 use crate::error::Error;
@@ -75,8 +75,8 @@ impl Run {
 }
 
 impl Tracer {
-    /// Follows passages of waves, their passages, and so on, until their energy is negligible. `are_heard` states
-    /// whether waves from the source arrived.
+    /// Follows passages of waves, then the passages of these passages, and so on, until the energy of a generation is
+    /// negligible. `are_heard` states whether waves from the source arrived.
     pub(super) fn arrivals_of_passages(
         &mut self,
         run: &Run,
@@ -86,7 +86,7 @@ impl Tracer {
         let Transmitting { through, take } = transmitting;
         let waves = run.frame.settings.waves;
         let least = LEAST_GENERATION * f64::from(waves);
-        for generation in 1.. {
+        for generation in 1..=MOST_GENERATIONS {
             let behind = passages.par_iter().filter_map(|one| one.behind(through));
             let mut behind: Vec<Passage> = behind.collect();
             let energy = loudest(&behind);

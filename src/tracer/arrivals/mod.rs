@@ -27,8 +27,8 @@ mod volume;
 pub(super) use events::EventTable;
 pub(crate) use passages::{FarEnd, SolidHit, Transmitting};
 pub(super) use passages::{
-    LEAST_GENERATION, MOST_PASSAGES, PASSAGE_SHARE, Passage, kept, kept_beside_waves, loudest,
-    thinned,
+    LEAST_GENERATION, MOST_GENERATIONS, MOST_PASSAGES, PASSAGE_SHARE, Passage, kept,
+    kept_beside_waves, loudest, thinned,
 };
 pub(super) use replay::{Block, Listed, Replay};
 pub use settings::{ArrivalCounts, ArrivalSettings};

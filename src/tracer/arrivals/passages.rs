@@ -3,12 +3,14 @@
 //! A wave that meets the solid of a transmitting material is reflected as in any other scene, and its energy after the
 //! reflection does not depend on transmission. In addition, with the probability [`PASSAGE_SHARE`], the shader records
 //! the hit. A recorded hit is a [`Passage`]: a new wave that starts behind the solid, with the energy of the wave
-//! before the hit, times the share that passes, over the probability. The sound that leaves through the wall is part of the
-//! absorption of the material.
+//! before the hit, times the share that passes, over the probability. The sound that leaves through the wall is part of
+//! the absorption of the material.
 //!
-//! Passages are traced after the waves that they come from, and have passages themselves: they are the next
-//! *generation*. If there are too many of them, [`kept`] passages are drawn, with the energy of all.
-//! All other waves are the same, bit for bit, as in a scene without transmission.
+//! Passages are traced after the waves that they come from. Passages of passages are the next *generation*. If a
+//! generation has more passages than [`kept`] returns, this number is drawn, and weights preserve the energy of all.
+//!
+//! Transmission does not change the waves from the source, except by rounding: if a material occurs on surfaces with
+//! and without a far side, it has two numbers, and events may then need more bits (`shader/materials.rs`).
 
 use crate::arrival::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
@@ -23,10 +25,15 @@ pub const PASSAGE_SHARE: f64 = 0.5;
 /// for the exact path through solids.
 pub const LEAST_GENERATION: f64 = 1e-10;
 
+/// Maximum number of generations. Generations that each carry 91 % of the energy of the previous one then reach
+/// [`LEAST_GENERATION`]. Between mirrors close to a sheet that transmits all sound, the number would be that of all
+/// flights of a wave.
+pub const MOST_GENERATIONS: u32 = 256;
+
 /// Minimum number of passages of a generation that are kept: 6 % error of their energy.
 const FEWEST_KEPT: u32 = 256;
 
-/// Number of passages of a block at which they are thinned out to half of them, 80 MB.
+/// Number of passages of a block above which half of this number is drawn from them. This number takes 80 MB.
 pub const MOST_PASSAGES: usize = 1 << 20;
 
 /// The share of passages that are drawn evenly. These passages carry the end of a decay, and all others its level.
@@ -111,7 +118,8 @@ impl Passage {
 }
 
 /// Maximum number of passages of a generation (from 1) that are kept, for this number of waves. Each generation has
-/// half as many as the previous one, so that all generations together take at most as long as twice the waves.
+/// half as many as the previous one, but at least [`FEWEST_KEPT`]. All generations before this minimum together have at
+/// most twice as many waves as the source.
 pub(crate) fn kept(waves: u32, generation: u32) -> usize {
     let fewest = FEWEST_KEPT.min(waves);
     (waves.checked_shr(generation - 1).unwrap_or(0)).max(fewest) as usize
