@@ -5,7 +5,7 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, PathKind, Response, ResponseSettings};
 use crate::scene::shape::{Cuboid, Prism, Room};
-use crate::scene::{Material, Transmission};
+use crate::scene::{Directivity, Material, Transmission};
 use crate::test_common::tracer;
 use crate::tracer::{ArrivalSettings, FarEnd, SolidHit, Transmitting, WavesToFollow};
 use crate::{Listener, Scene, Settings, Source, Surface};
@@ -129,10 +129,14 @@ fn sound_straight_through_a_wall_is_counted_once() {
     assert_eq!(response.echogram.total(), [0.0; BAND_COUNT]);
 }
 
-/// Protects the energy of waves that pass a wall: without any reflection it is that of the exact path.
+/// Protects the energy of waves that pass a wall, and the directivity of their source: without any reflection the energy
+/// is that of the exact path, here three times that of an omnidirectional source.
 #[test]
 fn waves_bring_the_energy_of_the_transmitted_path() {
     let mut scene = rooms_without_reflections();
+    let source = scene.sources[0].clone();
+    let source = source.with_directivity(Directivity::CARDIOID);
+    scene.sources[0] = source.pointing_along(Vec3::X).unwrap();
     let expected = respond(&scene, 0.1).paths[0].energy[4];
     scene.listeners[0].radius = 1.0;
     let exact = ExactScene::new(&scene).unwrap();
