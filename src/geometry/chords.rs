@@ -50,7 +50,7 @@ pub(crate) struct SolidsAhead {
 const LONGEST: f64 = 100.0;
 
 /// Distance before a wave's hit at which its line starts, as a share of the scene's extent. Hits are computed in
-/// `f32`, with errors of 1e-7 of the extent normal to the surface, and of ten times as much along a line at 6° to it.
+/// `f32`, with errors of 1e-7 of the extent normal to the surface, and of 1e-6 of it along a line at 6° to the surface.
 const BEFORE_HIT: f64 = 1e-6;
 
 /// Width of an air gap up to which solids are in contact, as a share of the scene's extent. Coordinates are `f32`, with
@@ -58,8 +58,8 @@ const BEFORE_HIT: f64 = 1e-6;
 const CONTACT: f64 = 1e-6;
 
 impl ExactScene {
-    /// The solids in contact that a line in this direction passes from a point of a surface. `None` if it does not enter
-    /// a solid there, or a solid has no far side.
+    /// The solids in contact that a line in this direction passes from a point of a surface. `None` if the line does
+    /// not enter a solid at this point, or a solid has no far side.
     pub(crate) fn solids_ahead(&self, point: DVec3, direction: DVec3) -> Option<SolidsAhead> {
         let extent = self.error_bound / ROUNDING;
         let start = point - direction * (BEFORE_HIT * extent);

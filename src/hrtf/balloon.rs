@@ -73,7 +73,7 @@ pub enum BalloonError {
         /// The energy.
         energy: f64,
     },
-    /// No direction has energy in a band, or only directions in a vanishing part of the sphere.
+    /// No direction has energy in a band, or all energy lies in a lobe that is too narrow for the mean over the sphere.
     #[error("the energy at {band_hz} Hz is 0 in all directions")]
     Silent {
         /// Centre frequency of the octave band, in hertz.
@@ -116,7 +116,7 @@ impl Balloon {
             amplitudes,
         };
         let mean = balloon.mean();
-        // The only direction with energy may lie between others that are much closer than those of the mean.
+        // A lobe that is narrower than the distance between the directions of the mean may be missed.
         check_heard(&mean)?;
         scale(&mut balloon.amplitudes, &mean.map(f64::sqrt));
         Ok(balloon)

@@ -139,7 +139,7 @@ pub(super) fn distinct(directions: &[DVec3]) -> Vec<usize> {
         .collect()
 }
 
-/// A whole-numbered place of a direction (a unit vector). Directions with the same place count as one.
+/// A direction (a unit vector), rounded to multiples of [`LEAST_ANGLE`]. Directions with the same result count as one.
 pub(crate) fn place(direction: DVec3) -> I64Vec3 {
     (direction / LEAST_ANGLE).round().as_i64vec3()
 }

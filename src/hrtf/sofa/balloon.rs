@@ -5,10 +5,10 @@
 //! - **FreeFieldDirectivityTF** (AES69-2022): the spectra `Data.Real` + i `Data.Imag` \[M\]\[R\]\[N\] at the
 //!   frequencies `N` in hertz, of M measurements with R receivers around the source. The direction of a receiver is
 //!   that from `SourcePosition` to `ReceiverPosition`, which is relative to `ListenerPosition` and its axes, in the
-//!   axes of `SourceView` and `SourceUp`. If several measurements have the same direction, as different notes have, the
-//!   mean of their energies is used.
+//!   axes of `SourceView` and `SourceUp`. If several measurements have the same direction, such as those of different
+//!   notes, the mean of their energies is used.
 //! - **SimpleFreeFieldHRIR**: the mean energy of both ears against direction. By reciprocity these are the energies
-//!   that the ears would radiate. The farthest measurements count, as for heads.
+//!   that the ears would radiate. If several measurements have the same direction, the farthest one is used.
 //!
 //! The energy of an octave band is the mean of the squared amplitudes at the file's frequencies from 1/√2 to √2 times
 //! the centre frequency. A band without a frequency has the energy of the nearest band that has one, the lower of two.

@@ -206,7 +206,7 @@ impl LateWaves<'_> {
         batches: usize,
     ) -> Result<Followed, Error> {
         if pilot_waves == 0 {
-            return self.follow_unpiloted(trace, batches);
+            return self.follow_without_pilot(trace, batches);
         }
         let before = [self.echogram.clone(), self.straight.clone()];
         let half = pilot_waves / 2;
@@ -227,8 +227,9 @@ impl LateWaves<'_> {
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
     }
 
-    /// Traces all waves: by the directivity of the source if it is narrow, otherwise evenly.
-    fn follow_unpiloted(mut self, trace: &Settings, batches: usize) -> Result<Followed, Error> {
+    /// Traces all waves. Their starts are drawn by the directivity of the source if the source radiates in a narrow
+    /// lobe. Otherwise they are even.
+    fn follow_without_pilot(mut self, trace: &Settings, batches: usize) -> Result<Followed, Error> {
         let waves = trace.waves;
         let source = self.pair.source;
         let Some(importance) = Importance::of_source(source, &self.how.bands, trace) else {

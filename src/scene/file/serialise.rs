@@ -142,7 +142,7 @@ fn source(of: &Source) -> Written {
         fields.push(("level_db", Written::Number(of.level_db)));
     }
     fields.push(("position", point(of.position)));
-    // A source without a direction mostly has no angles.
+    // Most sources have no angles, so angles of 0 are not written.
     let angles = [("yaw", of.yaw), ("pitch", of.pitch)];
     let angles = angles.into_iter().filter(|(_, angle)| *angle != 0.0);
     fields.extend(angles.map(|(name, angle)| (name, degrees(angle))));

@@ -15,7 +15,8 @@ use std::rc::Rc;
 /// (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
 
-/// Maximum fraction of the record of a crossing. The fraction of a passage is 0.75 (`glsl/arrivals/passages.glsl`).
+/// A record with a greater fraction is a passage. The fraction of a crossing is at most 0.5, and that of a passage is
+/// 0.75 (`glsl/arrivals/passages.glsl`).
 const MOST_CHORD: f32 = 0.6;
 
 /// The constants from which arrivals are computed.

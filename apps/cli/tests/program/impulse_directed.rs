@@ -78,7 +78,7 @@ fn the_report_has_the_directed_level() {
     assert!((ratio_db - 20.0 * 4_f64.log10()).abs() < 0.01, "{ratio_db}");
 }
 
-/// Protects users who mistype a directivity, or name a file that is missing or no directivity: exit code 2, and one
+/// Protects users who mistype a directivity, or name a file that is missing or not a directivity: exit code 2, and one
 /// sentence with the place or the file.
 #[test]
 fn bad_directivities_are_refused() {

@@ -148,7 +148,7 @@ fn responses_of_a_head_are_a_directivity() {
     }
 }
 
-/// Protects the program from files that are no directivity, of wrong shapes, units and sizes, and with bad numbers.
+/// Protects the program from files that are not directivities, of wrong shapes, units and sizes, and with bad numbers.
 /// Each error names the variable and the problem.
 #[test]
 fn bad_files_are_refused() {
