@@ -12,7 +12,7 @@
 //! other waves, and sums have no bias. (If the other waves start evenly, the pilot waves count although they led to
 //! this decision: the resulting bias is small.)
 //!
-//! The energies of pilot waves contain the directivity of the source. If there are no pilot waves, and the source
+//! The energies of pilot waves contain the directivity of the source. If no pilot waves are traced, and the source
 //! radiates in a narrow lobe, most waves are drawn by the energy that the source radiates ([`Importance::of_source`]).
 
 use super::pilot::Pilot;

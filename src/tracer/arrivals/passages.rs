@@ -117,9 +117,9 @@ impl Passage {
     }
 }
 
-/// Maximum number of passages of a generation (from 1) that are kept, for this number of waves. Each generation has
-/// half as many as the previous one, but at least [`FEWEST_KEPT`]. All generations before this minimum together have at
-/// most twice as many waves as the source.
+/// Maximum number of passages of a generation (from 1) that are kept, for this number of waves. The number is halved
+/// from each generation to the next, down to [`FEWEST_KEPT`]. All generations before this minimum together have at most
+/// twice the number of waves from the source.
 pub(crate) fn kept(waves: u32, generation: u32) -> usize {
     let fewest = FEWEST_KEPT.min(waves);
     (waves.checked_shr(generation - 1).unwrap_or(0)).max(fewest) as usize
