@@ -1,6 +1,6 @@
 //! Facets with an index by direction, for many evaluations: only the facets near a direction are tested.
 
-use super::facets::{Facets, Weight};
+use super::facets::{Extent, Facets, Weight};
 use crate::sphere_cells::Cells;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,13 +24,11 @@ impl IndexedFacets {
     /// Triangulates `directions`, which must be distinct unit vectors.
     pub(crate) fn new(directions: Vec<DVec3>) -> IndexedFacets {
         let facets = Facets::new(directions);
-        let caps: Vec<(DVec3, f64)> = facets.caps().collect();
+        let extents: Vec<Extent> = facets.extents().collect();
         let near = |cell: usize| {
             let (middle, reach) = cap(cell);
-            let is_near = |(_, (centre, radius)): &(usize, &(DVec3, f64))| {
-                centre.distance(middle) <= radius + reach + ROUNDING
-            };
-            let found = caps.iter().enumerate().filter(is_near);
+            let all = extents.iter().enumerate();
+            let found = all.filter(|(_, extent)| extent.may_meet(middle, reach + ROUNDING));
             found.map(|(index, _)| index as u32).collect()
         };
         let near = (0..cells().count()).into_par_iter().map(near).collect();
@@ -67,15 +65,37 @@ mod tests {
     use super::super::tests::grid;
     use super::*;
     use crate::sampling::lattice;
+    use std::f64::consts::{FRAC_PI_3, TAU};
+
+    /// A pole and a ring of directions at 60° on the other side of the equator: facets of 150° by less than 1°.
+    fn narrow_facets(count: usize) -> Vec<DVec3> {
+        let (down, flat) = FRAC_PI_3.sin_cos();
+        let on_ring = |number: usize| {
+            let (sin, cos) = (TAU * number as f64 / count as f64).sin_cos();
+            DVec3::new(flat * cos, flat * sin, -down)
+        };
+        (0..count).map(on_ring).chain([DVec3::Z]).collect()
+    }
+
+    /// Protects the time of evaluations in files with narrow facets: only the facets that cross a cell are tested.
+    #[test]
+    fn few_narrow_facets_are_near_a_cell() {
+        const COUNT: usize = 5000;
+        let indexed = IndexedFacets::new(narrow_facets(COUNT));
+        let near: usize = indexed.near.iter().map(Vec::len).sum();
+        // A facet of 150° crosses about 50 cells of 3°. Its cap would meet half of all cells.
+        assert!(near < 300 * COUNT, "{}", near / COUNT);
+    }
 
     /// Protects the weights from the index: they are those of a search among all facets, for directions all around, on
-    /// a half-space, and between two directions.
+    /// a half-space, on long narrow facets, and between two directions.
     #[test]
     fn the_index_leaves_out_no_facet() {
         let half: Vec<DVec3> = grid(15).into_iter().filter(|d| d.z > -0.01).collect();
         let few = vec![DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_ONE.normalize()];
         let two = vec![DVec3::X, DVec3::Y];
-        for directions in [grid(5), lattice(300).collect(), half, few, two] {
+        let narrow = narrow_facets(500);
+        for directions in [grid(5), lattice(300).collect(), half, narrow, few, two] {
             let (all, indexed) = (
                 Facets::new(directions.clone()),
                 IndexedFacets::new(directions),

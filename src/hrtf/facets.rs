@@ -44,6 +44,29 @@ struct Facet {
     inverse: DMat3,
 }
 
+/// A cap and three half-spaces that contain all directions of a facet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// The middle of the cap: a unit vector.
+    middle: DVec3,
+    /// Distance from the middle to the edge of the cap, as between points on the unit sphere.
+    radius: f64,
+    /// Unit normals of the planes through the edges and the centre of the sphere, into the facet.
+    inward: [DVec3; 3],
+}
+
+impl Extent {
+    /// Whether the facet may contain directions at most `reach` from `middle`, as distances between points on the unit
+    /// sphere.
+    pub(crate) fn may_meet(&self, middle: DVec3, reach: f64) -> bool {
+        self.middle.distance(middle) <= self.radius + reach
+            && self
+                .inward
+                .iter()
+                .all(|normal| normal.dot(middle) >= -reach)
+    }
+}
+
 /// The facets between measured directions.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Facets {
@@ -79,14 +102,17 @@ impl Facets {
             .unwrap_or_else(|| self.nearest(from))
     }
 
-    /// For each facet, a unit vector and the distance from it within which all directions of the facet lie. The
-    /// distance is that of points on the unit sphere.
-    pub(crate) fn caps(&self) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+    /// The extent of each facet on the sphere.
+    pub(crate) fn extents(&self) -> impl Iterator<Item = Extent> + '_ {
         self.facets.iter().map(|facet| {
             let corners = facet.corners.map(|corner| self.directions[corner]);
             let middle = corners.iter().sum::<DVec3>().normalize();
             let distances = corners.map(|corner| corner.distance(middle));
-            (middle, distances.into_iter().fold(0.0, f64::max))
+            Extent {
+                middle,
+                radius: distances.into_iter().fold(0.0, f64::max),
+                inward: [0, 1, 2].map(|corner| facet.inverse.row(corner).normalize()),
+            }
         })
     }
 
