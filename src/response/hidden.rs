@@ -79,6 +79,7 @@ pub(super) fn path_through(
             departure: direction,
             arrival_direction: direction,
             energy: std::array::from_fn(|band| arriving[band] * passed.share[band]),
+            errors_db: [0.0; BAND_COUNT],
         };
         path.heard(pair, medium)
     }))
@@ -100,6 +101,7 @@ struct Path {
     /// Energy density at the listener by band, in 1/m² for an omnidirectional source of power 1, without the loss in
     /// the air.
     energy: Bands,
+    errors_db: Bands,
 }
 
 impl From<DiffractedPath> for Path {
@@ -112,6 +114,7 @@ impl From<DiffractedPath> for Path {
             departure: path.departure,
             arrival_direction: path.arrival_direction,
             energy: path.energy,
+            errors_db: path.errors_db,
         }
     }
 }
@@ -139,6 +142,7 @@ impl Path {
             },
             delay_s: length_m / medium.speed,
             energy: bands::through_air(&emitted, &medium.air, length_m),
+            errors_db: self.errors_db,
             azimuth,
             elevation,
         }

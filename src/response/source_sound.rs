@@ -141,6 +141,10 @@ pub struct HeardPath {
     /// Energy density at the listener by band, in 1/m² for a source of power 1, including the
     /// losses at the surfaces and in the air, and the source's level and directivity.
     pub energy: Bands,
+    /// Half-widths in decibels, by band, of the intervals that contain 95 % of the errors of a diffracted level, as
+    /// measured on wedges, round bodies, bars and a doorway. 0 for other paths, whose energies are exact in the model.
+    #[serde(default)]
+    pub errors_db: Bands,
     /// Azimuth of the direction that the sound comes from, to the right of the listener's viewing direction, in radians
     /// from −π to π.
     pub azimuth: f64,

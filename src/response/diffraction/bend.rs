@@ -103,7 +103,7 @@ impl Bend {
         let along = (edge.point - source).try_normalize()?;
         let end = edge.point + along * after_m;
         let step = TOUCH * source.distance(edge.point).min(after_m);
-        let curvature = curvature(space, edge.point, [along, outwards], step);
+        let curvature = curvature(space, edge.point, along, step);
         let radius_m = 1.0 / curvature.max(f64::MIN_POSITIVE);
         let arc_m = GRAZING * radius_m.min(after_m);
         let turn = Turn {
@@ -179,6 +179,11 @@ impl Bend {
     /// Whether all turns are at edges.
     fn is_sharp(&self) -> bool {
         self.turns.iter().all(|turn| turn.arc_m == 0.0)
+    }
+
+    /// Whether the way turns at edges alone whose faces have no end beside it.
+    pub fn is_plain(&self) -> bool {
+        self.is_sharp() && self.brinks == [None; 2]
     }
 
     /// Whether all edges lie on surfaces, and nothing is in the way.
@@ -475,8 +480,7 @@ impl Bend {
             return 0.0;
         }
         let along = self.edges[index].along;
-        let outwards = (turn.apex - turn.middle).normalize_or(self.outwards);
-        curvature(space, turn.middle, [along, outwards], step)
+        curvature(space, turn.middle, along, step)
     }
 
     /// The wedge at a turn: its legs are as long as the string on either side, in the directions of the neighbouring
@@ -547,10 +551,11 @@ fn both(apart: Complex64, merged: Complex64, width: f64, hidden: f64) -> Complex
 }
 
 /// Curvature of a surface at a point on it along a unit vector, in 1/m, by differences over `step` metres; 0 where it is
-/// hollow. The other unit vector points out of the solid.
-fn curvature(space: &impl Space, point: DVec3, [along, outwards]: [DVec3; 2], step: f64) -> f64 {
+/// hollow.
+fn curvature(space: &impl Space, point: DVec3, along: DVec3, step: f64) -> f64 {
     let at = |offset: DVec3| space.distance(point + offset * step);
-    let slope = (at(outwards) - at(-outwards)) / (2.0 * step);
+    let slope = |axis: DVec3| (at(axis) - at(-axis)) / (2.0 * step);
+    let slope = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).length();
     let second = (at(along) + at(-along) - 2.0 * at(DVec3::ZERO)) / (step * step);
     (second / slope.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0 / step)
 }

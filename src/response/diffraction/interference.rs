@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Centres of the third octaves of an octave band, as factors of its centre.
-const THIRDS: [f64; 3] = [0.793_700_525_984_099_7, 1.0, 1.259_921_049_894_873_2];
+pub(super) const THIRDS: [f64; 3] = [0.793_700_525_984_099_7, 1.0, 1.259_921_049_894_873_2];
 
 /// Width of a third octave, as a share of its centre.
 const WIDTH: f64 = 0.231_563_184_6;

@@ -64,6 +64,8 @@ pub(super) struct DiffractedPath {
     pub arrival_direction: DVec3,
     /// Energy density at the listener by band, in 1/m² for a source of power 1, without the loss in the air.
     pub energy: Bands,
+    /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energies.
+    pub errors_db: Bands,
 }
 
 /// Distance by which the listener is moved if an edge lies on the line from the source, as a share of the distance between
@@ -110,9 +112,10 @@ pub(super) fn around(
         }
     }
     let energies = ways.energies(exact, speed, coefficients);
+    let errors_db = ways.errors_db();
     let paths = ways.bends.iter().zip(energies);
     paths
-        .filter_map(|(way, energy)| DiffractedPath::along(&way.bend, exact, energy))
+        .filter_map(|(way, energy)| DiffractedPath::along(&way.bend, exact, (energy, errors_db)))
         .collect()
 }
 
@@ -161,7 +164,11 @@ pub(super) fn beside(
 }
 
 impl DiffractedPath {
-    fn along(bend: &Bend, exact: &ExactScene, energy: Bands) -> Option<DiffractedPath> {
+    fn along(
+        bend: &Bend,
+        exact: &ExactScene,
+        (energy, errors_db): (Bands, Bands),
+    ) -> Option<DiffractedPath> {
         let last = bend.points.len() - 1;
         let points: Vec<DVec3> = bend.turns.iter().map(|turn| turn.middle).collect();
         Some(DiffractedPath {
@@ -171,6 +178,7 @@ impl DiffractedPath {
             departure: (bend.points[1] - bend.points[0]).try_normalize()?,
             arrival_direction: (bend.points[last] - bend.points[last - 1]).try_normalize()?,
             energy,
+            errors_db,
         })
     }
 }

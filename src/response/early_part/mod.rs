@@ -9,7 +9,7 @@ use super::late::casts_shadows;
 use super::source_sound::{
     HeardPath, Medium, PathKind, comes_from, crossing, mirrored_share, passing, radiated_along,
 };
-use crate::bands::{self, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::exact_paths::{
     Candidate, Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex,
@@ -213,6 +213,7 @@ impl EarlyPart {
                 path: path.clone(),
                 delay_s: path.length_m / medium.speed,
                 energy: bands::through_air(&emitted, &medium.air, path.length_m),
+                errors_db: [0.0; BAND_COUNT],
                 azimuth,
                 elevation,
             }

@@ -99,6 +99,9 @@ struct PathReport<'a> {
     /// Strength *G* of the mean energy of all bands.
     g_db: Option<f64>,
     g_db_bands: Vec<Option<f64>>,
+    /// Half-widths of the intervals that contain 95 % of the errors of `g_db_bands`, in decibels, for diffracted paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    errors_db: Option<Bands>,
     azimuth_deg: f64,
     elevation_deg: f64,
     is_focus: bool,
@@ -184,6 +187,7 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
             .iter()
             .map(|energy| Figures::strength_db(*energy))
             .collect(),
+        errors_db: (path.kind == PathKind::Diffracted).then_some(path.errors_db),
         azimuth_deg: path.azimuth.to_degrees(),
         elevation_deg: path.elevation.to_degrees(),
         is_focus: path.path.is_focus,
