@@ -311,8 +311,8 @@ impl Bend {
         faces: &[f64],
     ) -> Option<Complex64> {
         let mut product = Complex64::ONE;
-        for before in 0..index {
-            product *= self.turn_pressure(space, before, k, faces[before])?.0;
+        for (before, face) in faces.iter().enumerate().take(index) {
+            product *= self.turn_pressure(space, before, k, *face)?.0;
         }
         Some(product)
     }
