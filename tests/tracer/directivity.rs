@@ -52,8 +52,8 @@ fn assert_levels(plain: &[HeardPath], directed: &[HeardPath], axis: DVec3) {
             .find(|path| path.delay_s == plain.delay_s);
         let path = path.unwrap_or_else(|| panic!("no path over {:?}", plain.path.surfaces));
         let cosine = axis.dot(path.path.departure);
-        for band in 0..BAND_COUNT {
-            let expected = factor(SHARES[band], cosine);
+        for (band, share) in SHARES.into_iter().enumerate() {
+            let expected = factor(share, cosine);
             if expected < 1e-6 {
                 continue;
             }

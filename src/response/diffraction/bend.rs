@@ -37,6 +37,9 @@ const THIN: f64 = 1.0;
 /// Distance over which the curvature of a surface is measured that a way only touches, as a share of the shorter leg.
 const TOUCH: f64 = 1e-3;
 
+/// Greatest curvature of a round body, times that distance: an edge of 340° or less has more.
+const ROUND_TOUCH: f64 = 0.1;
+
 /// Angle in radians of a turn that only touches a surface.
 const GRAZING: f64 = 1e-3;
 
@@ -67,8 +70,12 @@ impl Bend {
     pub fn of(space: &impl Space, planes: &HalfPlanes, mut azimuth: f64) -> Option<Bend> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let string = planes.string(space, azimuth)?;
-            let bend = Bend::in_half_plane(space, planes, &string)?;
+            let Some(string) = planes.string(space, azimuth) else {
+                break;
+            };
+            let Some(bend) = Bend::in_half_plane(space, planes, &string) else {
+                break;
+            };
             let mut points = bend.points.clone();
             shorten(&mut points, &bend.edges);
             let moved = planes.azimuth_of(points[1]);
@@ -105,13 +112,11 @@ impl Bend {
         let step = TOUCH * source.distance(edge.point).min(after_m);
         let curvature = curvature(space, edge.point, along, step);
         let radius_m = 1.0 / curvature.max(f64::MIN_POSITIVE);
-        let arc_m = GRAZING * radius_m.min(after_m);
         let turn = Turn {
-            arc_m,
             angle: GRAZING,
-            creeping: (GRAZING * GRAZING * arc_m).cbrt(),
             ..Turn::along(source, &[edge.point], end)
         };
+        let turn = turn.with_radius(radius_m.min(after_m));
         let bend = Bend {
             points: vec![source, edge.point, end],
             azimuth: 0.0,
@@ -143,6 +148,15 @@ impl Bend {
             .zip(&other)
             .map(edge)
             .collect::<Option<Vec<Edge>>>()?;
+        let ends = [vec![string.source], vec![string.listener]];
+        let apexes: Vec<DVec3> = turns.iter().map(|turn| turn.apex).collect();
+        let points = [&ends[0][..], &apexes[..], &ends[1][..]].concat();
+        let legs = points.windows(3);
+        let turns: Vec<Turn> = turns
+            .iter()
+            .zip(legs)
+            .map(|(turn, legs)| on_surface(space, turn, legs))
+            .collect();
         let apexes = turns.iter().map(|turn| turn.apex);
         Some(Bend {
             points: [string.source]
@@ -547,6 +561,25 @@ fn both(apart: Complex64, merged: Complex64, width: f64, hidden: f64) -> Complex
     match mean.norm() > 0.0 {
         true => mean * (1.0 - hidden + hidden * size / mean.norm()),
         false => merged,
+    }
+}
+
+/// A turn with the curvature of the surface, where the string touches a round body so little that it has one contact.
+/// `legs` are the turn and the points before and after it.
+fn on_surface(space: &impl Space, turn: &Turn, legs: &[DVec3]) -> Turn {
+    let step = TOUCH
+        * legs[0]
+            .distance(turn.middle)
+            .min(legs[2].distance(turn.middle));
+    let along = (legs[2] - legs[0]).normalize_or_zero();
+    if turn.arc_m > 0.0 || step == 0.0 {
+        return *turn;
+    }
+    let curvature = curvature(space, turn.middle, along, step);
+    let is_round = curvature > 0.0 && curvature * step < ROUND_TOUCH;
+    match is_round {
+        true => turn.with_radius(1.0 / curvature),
+        false => *turn,
     }
 }
 

@@ -68,9 +68,9 @@ pub(super) struct DiffractedPath {
     pub errors_db: Bands,
 }
 
-/// Distance by which the listener is moved if an edge lies on the line from the source, as a share of the distance between
-/// both: levels change by less than 0.01 dB.
-const OFF_THE_EDGE: f64 = 1e-4;
+/// Distances by which the listener is moved if an edge lies on the line from the source, as shares of the distance between
+/// both: at the first, which is enough but at very thin plates, levels change by less than 0.01 dB.
+const OFF_THE_EDGE: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
 /// The share of the energy of the straight front that an obstacle intercepts, by band, if the ways around it are
 /// longer than the straight way by `detours_m` metres.
@@ -105,11 +105,16 @@ pub(super) fn around(
         return Vec::new();
     };
     let mut ways = Ways::around(exact, &planes);
-    if let Some(outwards) = ways.touched() {
-        let moved = listener - outwards * (OFF_THE_EDGE * planes.apart_m());
-        if let Some(planes) = HalfPlanes::between(source, moved) {
-            ways = Ways::around(exact, &planes);
-        }
+    for off in OFF_THE_EDGE {
+        let Some(outwards) = ways.touched() else {
+            break;
+        };
+        let moved = listener - outwards * (off * planes.apart_m());
+        let moved = HalfPlanes::between(source, moved).map(|planes| Ways::around(exact, &planes));
+        // At a body that is thinner than the step the moved listener may see the source.
+        ways = moved
+            .filter(|moved| !moved.bends.is_empty())
+            .unwrap_or(ways);
     }
     let energies = ways.energies(exact, speed, coefficients);
     let errors_db = ways.errors_db();
@@ -133,7 +138,7 @@ pub(super) fn beside(
     let mut rims = Rim::all(exact, &planes, &[]);
     if let Some(touched) = rims.iter().find(|rim| rim.touches_the_straight_way()) {
         // The half-planes of an edge on the line between source and listener are not defined.
-        let moved = listener + touched.inwards() * (OFF_THE_EDGE * planes.apart_m());
+        let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * planes.apart_m());
         let planes = HalfPlanes::between(source, moved);
         rims = planes.map_or(Vec::new(), |planes| Rim::all(exact, &planes, &[]));
     }

@@ -197,6 +197,9 @@ impl HalfPlanes {
             feet,
         };
         let contacts = plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?;
+        if contacts.is_empty() {
+            return None;
+        }
         Some(TautString {
             source: self.source,
             contacts,

@@ -1,10 +1,10 @@
 //! Tests of single parts. `tests/diffraction` compares whole responses with exact solutions.
 
-use super::intercepted;
 use super::space::Space;
 use super::string::HalfPlanes;
 use super::ways::Ways;
 use super::wedge::{Wedge, shadow_function};
+use super::{around, intercepted};
 use crate::Scene;
 use crate::geometry::ExactScene;
 use glam::DVec3;
@@ -142,7 +142,7 @@ fn levels_behind_bars_are_those_of_boundary_elements() {
 fn level_behind_bar(width: f64, [source, listener]: [DVec3; 2], k: f64) -> Option<f64> {
     let text = format!(
         "Scene(surfaces: [Surface(shape: Box(size: ({width}, 2, 1000)))], source: Source(position: (-9, 0, 0)), \
-         listener: Listener(position: (9, 0, 0)))"
+         listener: Listener(position: (9, 0, 0), radius: 0.1))"
     );
     let scene = Scene::from_ron(&text, "bar").expect("a scene");
     let exact = ExactScene::new(&scene).expect("an exact scene");
@@ -153,4 +153,23 @@ fn level_behind_bar(width: f64, [source, listener]: [DVec3; 2], k: f64) -> Optio
     let sounds = ways.sounds(&exact, k, &ways.rigid());
     let sum: Complex64 = sounds.iter().map(|sound| sound.pressure).sum();
     Some(20.0 * sum.norm().log10())
+}
+
+/// Protects thin plates seen edge-on, whose edge lies on the line between source and listener: no panic, and sound.
+#[test]
+fn a_thin_plate_seen_edge_on_leaves_sound() {
+    for width in [1e-9, 1e-6, 1e-4, 1e-3] {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Box(size: ({width}, 1, 1)))], source: Source(position: (0, 0, -4)), \
+             listener: Listener(position: (0, 0, 4), radius: 0.3))"
+        );
+        let scene = Scene::from_ron(&text, "plate").expect("a scene");
+        let exact = ExactScene::new(&scene).expect("an exact scene");
+        let ends = (DVec3::new(0.0, 0.0, -4.0), DVec3::new(0.0, 0.0, 4.0));
+        if exact.is_free(ends.0, ends.1) {
+            continue;
+        }
+        let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+        assert!(!paths.is_empty(), "{width} m");
+    }
 }

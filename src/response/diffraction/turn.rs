@@ -48,6 +48,16 @@ impl Turn {
         }
     }
 
+    /// The same turn along an arc of a radius in metres.
+    pub fn with_radius(self, radius_m: f64) -> Turn {
+        let arc_m = radius_m * self.angle;
+        Turn {
+            arc_m,
+            creeping: (self.angle * self.angle * arc_m).cbrt(),
+            ..self
+        }
+    }
+
     /// Mean radius of curvature in metres: 0 at an edge.
     pub fn radius_m(&self) -> f64 {
         match self.arc_m > 0.0 {

@@ -35,6 +35,8 @@ const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 /// The ways around what is between two points.
 pub(super) struct Ways {
     pub bends: Vec<Way>,
+    /// Unit vector into the half-plane of the shortest string, or into the first half-plane without strings.
+    towards_shortest: DVec3,
     /// Edges beside the ways.
     rims: Vec<Rim>,
     /// Distance between the points in metres.
@@ -96,15 +98,23 @@ impl Ways {
                 }
             }
         }
+        let lengths = detours.iter().enumerate();
+        let lengths = lengths.filter_map(|(index, detour)| Some((index, (*detour)?)));
+        let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1));
         Ways {
+            towards_shortest: planes.upwards(shortest.map_or(0, |(index, _)| index) as f64 * STEP),
             rims: Rim::all(space, planes, &strings),
             bends,
             apart_m,
         }
     }
 
-    /// The direction away from the solid at an edge on the straight way, if there is one.
+    /// The direction away from the solid if an edge lies on the straight way, or if the strings have no way over their
+    /// edges, as at a thin plate seen edge-on.
     pub fn touched(&self) -> Option<DVec3> {
+        if self.bends.is_empty() {
+            return Some(self.towards_shortest);
+        }
         let is_touched = |way: &&Way| way.bend.length_m - self.apart_m < LEAST_DETOUR_M;
         let touched = self.bends.iter().find(is_touched);
         touched.map(|way| way.bend.outwards())
