@@ -5,7 +5,7 @@ use super::source_sound::Medium;
 use super::{Arrival, ImpulseSettings, ResponseSettings, transmission};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::scene::Pair;
+use crate::scene::{IntoPair, Pair};
 use crate::shader;
 use crate::tracer::{
     ArrivalCounts, ArrivalSettings, SolidHit, Tracer, Transmitting, WavesToFollow,
@@ -50,13 +50,30 @@ const WITHOUT_DECAY_S: f64 = 3.0;
 /// Length of the time bins of the decay, in seconds.
 const BIN_S: f64 = 0.01;
 
+impl ResponseSettings {
+    /// The length of the response of this pair: `seconds` if present. Otherwise it is the time until the energy of
+    /// every band has fallen by 60 dB, as estimated with a few waves, but at most `longest_s`. The length is never less
+    /// than the time of the direct sound.
+    ///
+    /// # Errors
+    /// The errors of [`Response::trace`](super::Response::trace).
+    pub fn seconds_needed<'a>(
+        &self,
+        tracer: &mut Tracer,
+        pair: impl IntoPair<'a>,
+    ) -> Result<f64, Error> {
+        let pair = pair.chosen()?;
+        self.validate()?;
+        match self.seconds {
+            Some(seconds) => Ok(seconds),
+            None => needed(tracer, pair, self),
+        }
+    }
+}
+
 /// Returns the time in seconds after which at most [`LEFT`] of all energy remains in every band, as estimated by waves.
 /// It is at most the longest time of the settings, but at least the time of the direct sound.
-pub(super) fn needed(
-    tracer: &mut Tracer,
-    pair: Pair,
-    settings: &ResponseSettings,
-) -> Result<f64, Error> {
+fn needed(tracer: &mut Tracer, pair: Pair, settings: &ResponseSettings) -> Result<f64, Error> {
     let longest_s = settings.longest_s;
     let medium = Medium::of(pair);
     let scene = pair.scene;

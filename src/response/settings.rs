@@ -1,11 +1,10 @@
 //! Settings of responses.
 
-use super::duration;
 use crate::error::Error;
 use crate::response::{Echogram, ImpulseSettings, ResponseError};
-use crate::scene::{IntoPair, Scene, Surface};
+use crate::scene::{Scene, Surface};
 use crate::serialised::finite;
-use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
+use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a [`Response`](super::Response).
@@ -204,25 +203,6 @@ impl ResponseSettings {
     pub fn with_order(mut self, order: u32) -> ResponseSettings {
         self.order = Some(order);
         self
-    }
-
-    /// The length of the response of this pair: `seconds` if present. Otherwise it is the time until the energy of
-    /// every band has fallen by 60 dB, as estimated with a few waves, but at most `longest_s`. The length is never less
-    /// than the time of the direct sound.
-    ///
-    /// # Errors
-    /// The errors of [`Response::trace`](super::Response::trace).
-    pub fn seconds_needed<'a>(
-        &self,
-        tracer: &mut Tracer,
-        pair: impl IntoPair<'a>,
-    ) -> Result<f64, Error> {
-        let pair = pair.chosen()?;
-        self.validate()?;
-        match self.seconds {
-            Some(seconds) => Ok(seconds),
-            None => duration::needed(tracer, pair, self),
-        }
     }
 
     /// The trace settings of the waves whose late arrivals are counted.

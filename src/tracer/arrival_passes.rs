@@ -5,8 +5,8 @@ use super::arrivals::{
     Listed, MOST_PASSAGES, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow,
     kept, listed_rows, open_volume, thinned,
 };
+use super::block_waves::Waves;
 use super::gpu_scene::check_uniforms;
-use super::passage_passes::Waves;
 use super::prepared::{FramePrograms, PreparedFrame};
 use super::programs::{ScenePass, loops_asked, start_order};
 use super::start_order::Starts;

@@ -12,6 +12,7 @@
 
 mod arrival_passes;
 mod arrivals;
+mod block_waves;
 mod error;
 mod field_trial;
 pub(crate) mod fields_cost;

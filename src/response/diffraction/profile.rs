@@ -1,7 +1,7 @@
 //! The profile of a solid in a half-plane, between two points at which a string touches it.
 
 use super::space::Space;
-use super::string::Contact;
+use super::turn::Contact;
 use glam::DVec3;
 use std::f64::consts::PI;
 

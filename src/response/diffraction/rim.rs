@@ -15,7 +15,7 @@ use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 /// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
-pub(super) const MOST_DETOUR_M: f64 = 4.0;
+const MOST_DETOUR_M: f64 = 4.0;
 
 /// Turn of the half-plane in radians over which the direction of an edge is measured.
 const TURN: f64 = 0.01;
@@ -66,7 +66,7 @@ impl Rim {
         let touches: Vec<Option<DVec3>> = (0..HALF_PLANES)
             .map(|index| match above(index) {
                 Some(None) => None,
-                known => planes.beyond(space, index as f64 * STEP, known.flatten()),
+                known => planes.beyond(space, index as f64 * STEP, known.flatten(), MOST_DETOUR_M),
             })
             .collect();
         for (detour, touch) in detours.iter_mut().zip(&touches) {
@@ -103,8 +103,8 @@ impl Rim {
     ) -> Option<Rim> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let touch = planes.beyond(space, azimuth, above)?;
-            let beside = |turn: f64| planes.beyond(space, azimuth + turn, above);
+            let touch = planes.beyond(space, azimuth, above, MOST_DETOUR_M)?;
+            let beside = |turn: f64| planes.beyond(space, azimuth + turn, above, MOST_DETOUR_M);
             let other = [TURN, -TURN].into_iter().find_map(beside)?;
             let edge = Edge {
                 point: touch,

@@ -9,9 +9,8 @@
 
 use super::edge::Edge;
 use super::profile::Profile;
-use super::rim::MOST_DETOUR_M;
 use super::space::Space;
-use super::turn::Turn;
+use super::turn::{Contact, Turn};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -56,25 +55,6 @@ const ROUNDED: f64 = 0.02;
 
 /// Contacts of a string with solids that are followed between its first and its last.
 const MOST_INNER_DEPTH: u32 = 2;
-
-/// A point at which a string touches a solid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Contact {
-    /// Position in world metres, within the error of a tent's height above the solid.
-    pub point: DVec3,
-    /// Whether the string follows a curved surface from here to the next contact.
-    pub is_followed: bool,
-}
-
-impl Contact {
-    /// A contact from which the string goes straight on.
-    pub fn at(point: DVec3) -> Contact {
-        Contact {
-            point,
-            is_followed: false,
-        }
-    }
-}
 
 /// A string from source to listener.
 #[derive(Clone, Debug, PartialEq)]
@@ -268,12 +248,13 @@ impl HalfPlanes {
     }
 
     /// The point at which an obstacle touches the lowest tent that it blocks, in the half-plane of an azimuth: above the
-    /// straight line, or above a string. `None` if none does up to the greatest detour of a rim.
+    /// straight line, or above a string. `None` if none does up to a detour of `most_m` metres.
     pub fn beyond(
         &self,
         space: &impl Space,
         azimuth: f64,
         above: Option<&TautString>,
+        most_m: f64,
     ) -> Option<DVec3> {
         let length = self.apart_m();
         let along = (self.listener - self.source) / length;
@@ -304,7 +285,7 @@ impl HalfPlanes {
             free = steps.into_iter().find(|height| is_free(*height))?;
         }
         let mut height = free.max(0.5 * LOWEST) * RAISED_BEYOND;
-        while self.detour_m(apex(height)) < MOST_DETOUR_M {
+        while self.detour_m(apex(height)) < most_m {
             if !is_free(height) {
                 let (blocked, _) = bisect(height, free, plane.error, is_free);
                 return Some(plane.touched(self.source, apex(blocked), self.listener));

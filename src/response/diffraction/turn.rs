@@ -5,6 +5,25 @@ use glam::DVec3;
 /// Turn in radians up to which the apex of a turn is the point where its legs meet: beyond, they hardly do.
 const MOST_APEX: f64 = 2.5;
 
+/// A point at which a string touches a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contact {
+    /// Position in world metres, within the error of a tent's height above the solid.
+    pub point: DVec3,
+    /// Whether the string follows a curved surface from here to the next contact.
+    pub is_followed: bool,
+}
+
+impl Contact {
+    /// A contact from which the string goes straight on.
+    pub fn at(point: DVec3) -> Contact {
+        Contact {
+            point,
+            is_followed: false,
+        }
+    }
+}
+
 /// A part of a string that touches a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turn {
