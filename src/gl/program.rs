@@ -115,7 +115,6 @@ impl Program {
     }
 
     /// Sets a `vec2`.
-    #[cfg(any(test, feature = "picture"))]
     pub fn set_vec2(&self, name: &str, value: glam::Vec2) {
         // SAFETY: as in set_i32.
         self.set(name, |gl, at| unsafe {
