@@ -128,7 +128,7 @@ impl Source {
 
     /// Unit vector that points upwards from the source, perpendicular to its axis.
     pub fn up(&self) -> Vec3 {
-        self.right().cross(self.forward())
+        up(self.yaw, self.pitch)
     }
 }
 
@@ -221,7 +221,7 @@ impl Listener {
 
     /// Unit vector that points out of the top of the head.
     pub fn up(&self) -> Vec3 {
-        self.right().cross(self.forward())
+        up(self.yaw, self.pitch)
     }
 }
 
@@ -230,6 +230,11 @@ fn forward(yaw: f32, pitch: f32) -> Vec3 {
     let (sin_yaw, cos_yaw) = yaw.sin_cos();
     let (sin_pitch, cos_pitch) = pitch.sin_cos();
     Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
+}
+
+/// Unit vector upwards, perpendicular to a direction with this yaw and pitch, in radians.
+fn up(yaw: f32, pitch: f32) -> Vec3 {
+    right(yaw).cross(forward(yaw, pitch))
 }
 
 /// Horizontal unit vector to the right of a direction with this yaw, in radians.
