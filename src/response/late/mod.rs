@@ -97,6 +97,18 @@ pub(super) fn arrivals(
     Ok(found)
 }
 
+/// Adds arrivals behind solids to `straight` if they were not reflected, and passes all others to `add`.
+fn unreflected_apart<'a>(
+    medium: &'a Medium,
+    straight: &'a mut Echogram,
+    add: &'a dyn Fn(&Arrival),
+) -> impl FnMut(Arrival) + 'a {
+    move |arrival| match arrival.reflections {
+        0 => medium.add(straight, &arrival),
+        _ => add(&arrival),
+    }
+}
+
 /// Orders arrivals by wave, and along each wave by time.
 fn in_order(a: &Arrival, b: &Arrival) -> Ordering {
     let by_length = || a.length_m.total_cmp(&b.length_m);
@@ -134,10 +146,7 @@ fn add_arrivals(
         };
         let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids?, hit);
         let straight = &mut found.straight;
-        let mut passed = |arrival: Arrival| match arrival.reflections {
-            0 => medium.add(straight, &arrival),
-            _ => add(&arrival),
-        };
+        let mut passed = unreflected_apart(medium, straight, &add);
         let passing = solids.is_some().then_some(Transmitting {
             through: &through,
             take: &mut passed,
@@ -294,10 +303,7 @@ impl LateWaves<'_> {
         };
         let through = |hit: &SolidHit| transmission::of_wave(scene, solids?, hit);
         let straight = &mut *self.straight;
-        let mut passed = |arrival: Arrival| match arrival.reflections {
-            0 => medium.add(straight, &arrival),
-            _ => add(&arrival),
-        };
+        let mut passed = unreflected_apart(medium, straight, &add);
         let passing = solids.is_some().then_some(Transmitting {
             through: &through,
             take: &mut passed,
