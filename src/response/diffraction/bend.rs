@@ -1,7 +1,7 @@
 //! A way around an obstacle: a taut string that is stationary over its edges, and the pressure at its end.
 
 use super::brink::Brink;
-use super::edge::{Edge, shorten};
+use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m, shorten};
 use super::round::Arc;
 use super::space::Space;
 use super::string::{self, HalfPlanes, TautString};
@@ -9,19 +9,7 @@ use super::turn::Turn;
 use super::wedge::{Wedge, shadow_function};
 use glam::DVec3;
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
-
-/// Turn of the half-plane in radians over which the direction of an edge is measured.
-const TURN: f64 = 0.01;
-
-/// Searches for the stationary way over the edges of a string: one is enough for straight edges.
-const MOST_SEARCHES: usize = 4;
-
-/// Distance from the surface, as a share of the path's length, up to which a point counts as on it.
-const ON_SURFACE: f64 = 1e-5;
-
-/// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
-const MOST_OF_LEG: f64 = 0.7;
+use std::f64::consts::PI;
 
 /// Radius of curvature, as a share of the distance at which faces are perceived, up to which a rounding is an edge, and
 /// from which creeping waves follow it.
@@ -80,9 +68,9 @@ impl Bend {
             shorten(&mut points, &bend.edges);
             let moved = planes.azimuth_of(points[1]);
             if bend.is_sharp() {
-                let bend = bend.moved_to(points);
-                if bend.is_on_solid(space) {
-                    return Some(bend);
+                let stationary = bend.clone().moved_to(points);
+                if stationary.is_on_solid(space) {
+                    return Some(stationary);
                 }
             } else if (moved - azimuth).sin().abs() < ON_SURFACE {
                 return Some(bend);
@@ -91,7 +79,7 @@ impl Bend {
             azimuth = moved;
             let is_shorter = |best: &Bend| string::length(&best.points) <= string.length_m();
             if !last.as_ref().is_some_and(is_shorter) {
-                last = Bend::in_half_plane(space, planes, &string);
+                last = Some(bend);
             }
         }
         // The way round a corner, which is not stationary along either edge.
@@ -117,7 +105,7 @@ impl Bend {
             ..Turn::along(source, &[edge.point], end)
         };
         let turn = turn.with_radius(radius_m.min(after_m));
-        let bend = Bend {
+        Some(Bend {
             points: vec![source, edge.point, end],
             azimuth: 0.0,
             outwards,
@@ -125,8 +113,7 @@ impl Bend {
             turns: vec![turn],
             edges: vec![edge],
             brinks: [None; 2],
-        };
-        Some(bend)
+        })
     }
 
     /// A string and the lines of its edges, from the string in a half-plane next to its own.
@@ -148,22 +135,19 @@ impl Bend {
             .zip(&other)
             .map(edge)
             .collect::<Option<Vec<Edge>>>()?;
-        let ends = [vec![string.source], vec![string.listener]];
-        let apexes: Vec<DVec3> = turns.iter().map(|turn| turn.apex).collect();
-        let points = [&ends[0][..], &apexes[..], &ends[1][..]].concat();
+        let apexes = turns.iter().map(|turn| turn.apex);
+        let points: Vec<DVec3> = [string.source]
+            .into_iter()
+            .chain(apexes)
+            .chain([string.listener])
+            .collect();
         let legs = points.windows(3);
-        let turns: Vec<Turn> = turns
-            .iter()
-            .zip(legs)
+        let turns = turns.iter().zip(legs);
+        let turns = turns
             .map(|(turn, legs)| on_surface(space, turn, legs))
             .collect();
-        let apexes = turns.iter().map(|turn| turn.apex);
         Some(Bend {
-            points: [string.source]
-                .into_iter()
-                .chain(apexes)
-                .chain([string.listener])
-                .collect(),
+            points,
             azimuth: string.azimuth,
             outwards: planes.upwards(string.azimuth),
             length_m: string.length_m(),
@@ -200,7 +184,7 @@ impl Bend {
         self.is_sharp() && self.brinks == [None; 2]
     }
 
-    /// Whether all edges lie on surfaces, and nothing is in the way.
+    /// Whether all edges lie on surfaces, and the legs are free.
     fn is_on_solid(&self, space: &impl Space) -> bool {
         let error = ON_SURFACE * self.length_m;
         self.turns
@@ -271,7 +255,7 @@ impl Bend {
         let before = self.length_m - after;
         let width = brink.width_m;
         // As for two edges of the string.
-        let near = width * self.length_m / ((before + width) * after);
+        let near = nearness(width, self.length_m, [before + width, after]);
         let factor = brink.factor(space, (start, before), end, k * near.min(1.0), face);
         factor.unwrap_or(Complex64::ONE)
     }
@@ -285,8 +269,7 @@ impl Bend {
             let brink = || Brink::beside(space, &self.edges[index], other, end);
             is_edge(index).then(brink).flatten()
         };
-        let brinks = [beside(0, 2, 0), beside(last - 2, last - 2, last)];
-        self.brinks = brinks;
+        self.brinks = [beside(0, 2, 0), beside(last - 2, last - 2, last)];
         self
     }
 
@@ -295,21 +278,24 @@ impl Bend {
         for index in 1..faces.len() {
             // Pierce 1974, equation 26: between two turns the front has spread less than over the whole way.
             let (single, is_edge) = self.turn_pressure(space, index, k, faces[index])?;
-            let near = k * self.nearness(index);
+            let between = self.between_m(index);
+            let reaches = [
+                self.before_m(index - 1) + between,
+                between + self.length_m - self.before_m(index),
+            ];
+            let near = k * nearness(between, self.length_m, reaches);
             let spread = match product.norm() < single.norm() {
                 true => product * self.turn_pressure(space, index, near, faces[index])?.0,
                 false => single * self.product_until(space, index, near, faces)?,
             };
             // On a face between two edges sound and its reflection are one.
-            let apart = spread
-                * if last {
-                    1.0 / (1.0 + faces[index])
-                } else {
-                    1.0
-                };
+            let apart = match last {
+                true => spread / (1.0 + faces[index]),
+                false => spread,
+            };
             let merged = (last && is_edge).then(|| self.merged(space, index, k, faces[index]));
             product = match merged.flatten() {
-                Some(merged) => both(apart, merged, k * self.between_m(index), 1.0),
+                Some(merged) => both(apart, merged, k * between, 1.0),
                 None => apart,
             };
             last = is_edge;
@@ -346,48 +332,15 @@ impl Bend {
         let mut points = self.points[..index].to_vec();
         points.push(turn.apex);
         points.extend(&self.points[index + 2..]);
-        let along = (self.edges[index - 1].along
-            + self.edges[index].along
-                * self.edges[index]
-                    .along
-                    .dot(self.edges[index - 1].along)
-                    .signum())
-        .try_normalize()?;
-        let merged = Bend {
-            length_m: string::length(&points),
-            edges: [
-                &self.edges[..index - 1],
-                &[Edge {
-                    point: turn.apex,
-                    along,
-                }],
-                &self.edges[index + 1..],
-            ]
-            .concat(),
-            turns: [
-                &self.turns[..index - 1],
-                &[Turn { arc_m: 0.0, ..turn }],
-                &self.turns[index + 1..],
-            ]
-            .concat(),
-            points,
-            azimuth: self.azimuth,
-            outwards: self.outwards,
-            brinks: [None; 2],
+        let [along, other] = [index - 1, index].map(|edge| self.edges[edge].along);
+        let along = along + other * other.dot(along).signum();
+        let edge = Edge {
+            point: turn.apex,
+            along: along.try_normalize()?,
         };
-        let wedge = merged.wedge(space, index - 1, k, 1.0)?;
-        let (length, apart) = (wedge.length_m(), wedge.apart_m());
-        let phase = Complex64::cis(-k * (length - apart));
-        Some(wedge.diffracted(k).sum([face; 2]) * phase * (length / apart))
-    }
-
-    /// w L / ((a + w) (w + b)) for two turns w apart on a way of length L, with a before them and b after them: 1 if
-    /// they are far from both ends.
-    fn nearness(&self, index: usize) -> f64 {
-        let before = self.before_m(index - 1);
-        let between = self.between_m(index);
-        let after = self.length_m - self.before_m(index);
-        between * self.length_m / ((before + between) * (between + after))
+        let radius = face_distance_m(k, way_lengths(&points, index), shorter_leg(&points, index));
+        let wedge = wedge_at(space, &points, index, &edge, (self.outwards, radius))?;
+        Some(wedge.behind(k, face))
     }
 
     /// Pressure at the listener for the wave number `k` by one turn, relative to the open at the way's length, and whether
@@ -406,11 +359,7 @@ impl Bend {
         }
         if round < 1.0 {
             let edge = match self.wedge(space, index, k, 1.0) {
-                Some(wedge) => {
-                    let (length, apart) = (wedge.length_m(), wedge.apart_m());
-                    let phase = Complex64::cis(-k * (length - apart));
-                    wedge.diffracted(k).sum([face; 2]) * phase * (length / apart)
-                }
+                Some(wedge) => wedge.behind(k, face),
                 // A body that is smaller than the zone has no faces there.
                 None => 0.5 * shadow_function(self.arc(index).argument(k)),
             };
@@ -438,21 +387,16 @@ impl Bend {
         1.0 - small * (1.0 - smooth(growth, FLAT))
     }
 
-    /// Distance in metres from a turn at which sound of the wave number `k` perceives its faces: half a Fresnel zone.
+    /// Distance in metres from a turn at which sound of the wave number `k` perceives its faces.
     fn face_m(&self, index: usize, k: f64) -> f64 {
         let contact = index + 1;
-        let before = string::length(&self.points[..=contact]);
-        let after = string::length(&self.points[contact..]);
-        let zone = 0.5 * (TAU / k * before * after / (before + after)).sqrt();
-        let legs = [contact - 1, contact + 1];
-        let legs = legs.map(|other| self.points[other].distance(self.points[contact]));
-        let mut nearest = legs[0].min(legs[1]);
+        let mut nearest = shorter_leg(&self.points, contact);
         for (brink, at) in self.brinks.iter().zip([0, self.turns.len() - 1]) {
             if let Some(brink) = brink.filter(|_| at == index) {
                 nearest = nearest.min(brink.width_m);
             }
         }
-        zone.min(MOST_OF_LEG * nearest)
+        face_distance_m(k, way_lengths(&self.points, contact), nearest)
     }
 
     /// How much the roundest turn is round to sound of the wave number `k`.
@@ -466,13 +410,7 @@ impl Bend {
     pub fn arc(&self, index: usize) -> Arc {
         let turn = &self.turns[index];
         let before_m = self.before_m(index);
-        Arc {
-            before_m,
-            after_m: self.length_m - before_m - turn.arc_m,
-            arc_m: turn.arc_m,
-            angle: turn.angle,
-            creeping: turn.creeping,
-        }
+        turn.arc(before_m, self.length_m - before_m - turn.arc_m)
     }
 
     /// Length in metres from the source to the entry of a turn.
@@ -497,18 +435,10 @@ impl Bend {
         curvature(space, turn.middle, along, step)
     }
 
-    /// The wedge at a turn: its legs are as long as the string on either side, in the directions of the neighbouring
-    /// turns. Its faces are measured at `share` of half a Fresnel zone.
+    /// The wedge at a turn. Its faces are measured at `share` of half a Fresnel zone.
     fn wedge(&self, space: &impl Space, index: usize, k: f64, share: f64) -> Option<Wedge> {
-        let (contact, edge) = (index + 1, &self.edges[index]);
-        let before = string::length(&self.points[..=contact]);
-        let after = string::length(&self.points[contact..]);
-        let end = |neighbour: usize, length: f64| {
-            let towards = (self.points[neighbour] - edge.point).try_normalize()?;
-            Some(edge.point + towards * length)
-        };
-        let ends = [end(contact - 1, before)?, end(contact + 1, after)?];
-        edge.wedge(space, ends, self.outwards, share * self.face_m(index, k))
+        let faces = (self.outwards, share * self.face_m(index, k));
+        wedge_at(space, &self.points, index + 1, &self.edges[index], faces)
     }
 
     /// Length in metres of the way over the lines of the same edges in the half-plane of an azimuth; `None` if it does
@@ -545,6 +475,42 @@ impl Bend {
         points.push(self.points[last]);
         Some(points)
     }
+}
+
+/// The wedge at the point `contact` of a way, which lies on `edge`: its legs are as long as the way on either side, in the
+/// directions of the neighbouring points. `outwards` points away from the solid; `radius` is the distance in metres at
+/// which its faces are measured.
+fn wedge_at(
+    space: &impl Space,
+    points: &[DVec3],
+    contact: usize,
+    edge: &Edge,
+    (outwards, radius): (DVec3, f64),
+) -> Option<Wedge> {
+    let [before, after] = way_lengths(points, contact);
+    let end = |neighbour: usize, length: f64| {
+        let towards = (points[neighbour] - edge.point).try_normalize()?;
+        Some(edge.point + towards * length)
+    };
+    let ends = [end(contact - 1, before)?, end(contact + 1, after)?];
+    edge.wedge(space, ends, outwards, radius)
+}
+
+/// Lengths in metres of a way before and after its point `contact`.
+fn way_lengths(points: &[DVec3], contact: usize) -> [f64; 2] {
+    [&points[..=contact], &points[contact..]].map(string::length)
+}
+
+/// Length in metres of the shorter leg at the point `contact` of a way.
+fn shorter_leg(points: &[DVec3], contact: usize) -> f64 {
+    let leg = |other: usize| points[other].distance(points[contact]);
+    leg(contact - 1).min(leg(contact + 1))
+}
+
+/// w L / (a b) for two turns w apart on a way of length L, whose parts from the source to the second turn and from the
+/// first turn to the listener have the lengths a and b: 1 if the turns are far from both ends.
+fn nearness(between_m: f64, length_m: f64, [to_second, from_first]: [f64; 2]) -> f64 {
+    between_m * length_m / (to_second * from_first)
 }
 
 /// The pressure behind two edges, from that of both one after the other and that of a single edge in their place. `width`

@@ -5,6 +5,7 @@
 
 use super::edge::Edge;
 use super::space::Space;
+use super::string::bisect;
 use glam::DVec3;
 use num_complex::Complex64;
 
@@ -14,8 +15,8 @@ const FIRST: f64 = 0.02;
 const LONGER: f64 = 1.15;
 /// Distance from the face, as a share of the distance from the edge, beyond which a point counts as past its end.
 const PAST: f64 = 0.01;
-/// Steps in search of the end between two distances: its error is below a thousandth.
-const HALVINGS: usize = 8;
+/// Error of the end, as a share of the interval between two distances that are tried: less than a thousandth of the width.
+const END_ERROR: f64 = 1.0 / 256.0;
 
 /// The far end of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,14 +48,9 @@ impl Brink {
                 return None;
             }
         }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (from + to);
-            match is_past(middle) {
-                true => to = middle,
-                false => from = middle,
-            }
-        }
-        // A point past the end is as far from it as it may be from the face.
+        let error = END_ERROR * (to - from);
+        let (_, from) = bisect(to, from, error, |metres| !is_past(metres));
+        // A point this far past the end is at the distance `PAST` from it.
         let width_m = from / (1.0 + PAST);
         let point = edge.point + along_face * width_m;
         Some(Brink {
@@ -65,7 +61,7 @@ impl Brink {
     }
 
     /// The factor of the pressure at `end` for the wave number `k`, relative to an endless face. `before_m` is the length
-    /// of the way up to the edge at `start`, and `radius` the distance at which faces are sought.
+    /// of the way up to the edge at `start`, and `face` the pressure reflection coefficient of the faces.
     pub fn factor(
         &self,
         space: &impl Space,

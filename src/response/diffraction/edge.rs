@@ -14,6 +14,25 @@ pub(super) struct Edge {
     pub along: DVec3,
 }
 
+/// Turn of the half-plane in radians over which the direction of an edge is measured.
+pub(super) const TURN: f64 = 0.01;
+
+/// Searches for the stationary way over edges: one is enough for straight edges.
+pub(super) const MOST_SEARCHES: usize = 4;
+
+/// Distance from the surface, as a share of the way's length, up to which a point counts as on it.
+pub(super) const ON_SURFACE: f64 = 1e-5;
+
+/// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
+const MOST_OF_LEG: f64 = 0.7;
+
+/// Distance in metres from an edge at which sound of the wave number `k` perceives its faces: half a Fresnel zone of a way
+/// with these lengths in metres before and after the edge, within the leg of `shorter_m` metres.
+pub(super) fn face_distance_m(k: f64, [before, after]: [f64; 2], shorter_m: f64) -> f64 {
+    let zone = 0.5 * (2.0 * PI / k * before * after / (before + after)).sqrt();
+    zone.min(MOST_OF_LEG * shorter_m)
+}
+
 /// Passes of the search for the stationary way over several edges: each pass moves one contact after the other to the
 /// best place, and the error falls by a constant factor.
 const PASSES: usize = 64;

@@ -40,9 +40,13 @@ pub(super) fn energy(sounds: &[Sound], k: f64) -> f64 {
 /// How much two sounds interfere over the third octave about `k` if their ways differ by `difference_m` metres: from 1 if
 /// they are equally long.
 pub(super) fn coherence(difference_m: f64, k: f64) -> f64 {
-    let half = 0.5 * WIDTH * k * difference_m;
-    match half.abs() < 1e-4 {
-        true => 1.0,
-        false => half.sin() / half,
+    sinc(0.5 * WIDTH * k * difference_m)
+}
+
+/// sin x / x.
+pub(super) fn sinc(x: f64) -> f64 {
+    match x.abs() < 1e-4 {
+        true => 1.0 - x * x / 6.0,
+        false => x.sin() / x,
     }
 }

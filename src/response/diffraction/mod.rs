@@ -19,7 +19,8 @@
 //! perceives a surface, half a Fresnel zone: a rounding, or a step, that is smaller than that does not count.
 //!
 //! # Cost
-//! Some 1,500 to 4,500 lines of sight, if the source is hidden; one, if it is not.
+//! Some 1,500 to 4,500 lines of sight if the source is hidden. If it is not, some 30 for each half-plane, for the edges beside
+//! the way.
 
 mod bend;
 mod brink;
@@ -47,7 +48,7 @@ use rim::Rim;
 use space::Space;
 use string::HalfPlanes;
 use ways::Ways;
-use wedge::shadow_function;
+use wedge::behind_screen;
 
 /// A path that bends at edges.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +83,7 @@ pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
     let pressure = |k: f64| {
         let open = |detour: &f64| {
             let phase = k * detour.max(0.0);
-            0.5 * Complex64::cis(phase) * shadow_function(phase.sqrt())
+            Complex64::cis(phase) * behind_screen(phase)
         };
         Complex64::ONE - detours_m.iter().map(open).sum::<Complex64>()
     };

@@ -5,29 +5,17 @@
 //! pressure is continuous at the boundary of the shadow. A plane has no diffracted pressure, and drops out.
 
 use super::bend::Bend;
-use super::edge::Edge;
-use super::ring::{Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
+use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
+use super::ring::{self, Basin, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
-use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::wedge::{Wedge, shadow_function};
+use super::string::{HalfPlanes, STEP, TautString};
+use super::wedge::{Wedge, behind_screen};
 use glam::DVec3;
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
 const MOST_DETOUR_M: f64 = 4.0;
-
-/// Turn of the half-plane in radians over which the direction of an edge is measured.
-const TURN: f64 = 0.01;
-
-/// Searches for the stationary way over an edge.
-const MOST_SEARCHES: usize = 4;
-
-/// Distance from the surface, as a share of the way's length, up to which a point counts as on it.
-const ON_SURFACE: f64 = 1e-5;
-
-/// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
-const MOST_OF_LEG: f64 = 0.7;
 
 /// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
 const PLANE: f64 = 0.01;
@@ -62,16 +50,13 @@ impl Rim {
         strings: &[Option<TautString>],
     ) -> Vec<Rim> {
         let above = |index: usize| strings.get(index).map(Option::as_ref);
-        let mut detours: Detours = [None; HALF_PLANES];
-        let touches: Vec<Option<DVec3>> = (0..HALF_PLANES)
-            .map(|index| match above(index) {
+        let detours = ring::detours(|azimuth| {
+            let touch = match above((azimuth / STEP).round() as usize) {
                 Some(None) => None,
-                known => planes.beyond(space, index as f64 * STEP, known.flatten(), MOST_DETOUR_M),
-            })
-            .collect();
-        for (detour, touch) in detours.iter_mut().zip(&touches) {
-            *detour = touch.map(|touch| planes.detour_m(touch));
-        }
+                known => planes.beyond(space, azimuth, known.flatten(), MOST_DETOUR_M),
+            };
+            touch.map(|touch| planes.detour_m(touch))
+        });
         let mut rims: Vec<Rim> = Vec::new();
         for basin in Basin::all(&detours) {
             let above = above(basin.shortest).flatten();
@@ -128,11 +113,8 @@ impl Rim {
 
     fn at(planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Rim {
         let (source, listener) = planes.ends();
-        let mut lines: Detours = [None; HALF_PLANES];
-        for (index, line) in lines.iter_mut().enumerate() {
-            let point = planes.on_line(&edge, index as f64 * STEP);
-            *line = point.map(|point| planes.detour_m(point));
-        }
+        let line = |azimuth: f64| planes.on_line(&edge, azimuth);
+        let lines = ring::detours(|azimuth| line(azimuth).map(|point| planes.detour_m(point)));
         Rim {
             source,
             listener,
@@ -164,13 +146,19 @@ impl Rim {
 
     /// Whether the surface is not plane there.
     fn is_edge(&self, space: &impl Space) -> bool {
-        let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
-        let radius = MOST_OF_LEG * legs[0].min(legs[1]);
+        // The zone of the wave number 0 is endless: the legs limit the distance.
+        let radius = self.face_m(0.0);
         let is_edge = |share: f64| {
             let wedge = self.wedge(space, share * radius);
             wedge.is_some_and(|wedge| wedge.air_angle > PI + PLANE)
         };
         is_edge(1.0) || is_edge(0.1)
+    }
+
+    /// Distance in metres from the edge at which sound of the wave number `k` perceives its faces.
+    fn face_m(&self, k: f64) -> f64 {
+        let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
+        face_distance_m(k, legs, legs[0].min(legs[1]))
     }
 
     fn wedge(&self, space: &impl Space, radius: f64) -> Option<Wedge> {
@@ -181,17 +169,11 @@ impl Rim {
     /// The pressures that the edge adds for the wave number `k`; `face` is the pressure reflection coefficient of its
     /// faces.
     pub fn added(&self, space: &impl Space, k: f64, face: f64) -> Option<Added> {
-        let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
-        let zone = 0.5 * (TAU / k * legs[0] * legs[1] / self.length_m).sqrt();
-        let wedge = self.wedge(space, zone.min(MOST_OF_LEG * legs[0].min(legs[1])))?;
+        let wedge = self.wedge(space, self.face_m(k))?;
         let diffracted = wedge.diffracted(k);
         let detour_m = self.length_m - wedge.apart_m();
-        let straight =
-            0.5 * shadow_function((k * detour_m.max(0.0)).sqrt()) * Complex64::cis(k * detour_m);
-        let sum = |samples: &[Samples]| -> Complex64 {
-            samples.iter().map(|samples| samples.sum(k)).sum()
-        };
-        let ends = 1.0 + (sum(&self.own) - sum(&self.lines)) / straight;
+        let straight = behind_screen(k * detour_m) * Complex64::cis(k * detour_m);
+        let ends = 1.0 + (ring::sum(&self.own, k) - ring::sum(&self.lines, k)) / straight;
         let near = (1.0 - (detour_m / MOST_DETOUR_M).powi(2)).max(0.0).powi(2);
         let shares = wedge.shares_of_direct();
         let mut direct = diffracted.direct;

@@ -16,6 +16,7 @@
 //! Detours are interpolated by cubic polynomials between half-planes; on each part of an interval the phase is linear,
 //! and its integral exact.
 
+use super::interference::sinc;
 use super::string::{HALF_PLANES, STEP};
 use super::wedge::shadow_function;
 use num_complex::Complex64;
@@ -26,6 +27,11 @@ const PARTS: usize = 12;
 
 /// Detours in metres in half-planes all around a line, from azimuth 0; `None` where no string leads around.
 pub(super) type Detours = [Option<f64>; HALF_PLANES];
+
+/// The detours that a function of the azimuth in radians gives.
+pub(super) fn detours(of: impl Fn(f64) -> Option<f64>) -> Detours {
+    std::array::from_fn(|index| of(index as f64 * STEP))
+}
 
 /// Half-planes around a local shortest string.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +108,14 @@ pub(super) fn all_samples(detours: &Detours) -> Vec<Samples> {
         .collect()
 }
 
+/// The integral of exp(ikδ) over the half-planes of all samples, divided by 2π.
+pub(super) fn sum(samples: &[Samples], k: f64) -> Complex64 {
+    let sums = samples
+        .iter()
+        .map(|samples| samples.weighted_sum(k, |_| Complex64::ONE));
+    sums.sum()
+}
+
 /// Interpolated detours in neighbouring half-planes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Samples {
@@ -151,11 +165,6 @@ impl Samples {
                 end(is_endless[1], nodes[last], -slope(last)),
             ],
         }
-    }
-
-    /// The integral of exp(ikδ) over the half-planes, divided by 2π.
-    pub fn sum(&self, k: f64) -> Complex64 {
-        self.weighted_sum(k, |_| Complex64::ONE)
     }
 
     /// The integral of exp(ikδ), times a factor that changes from half-plane to half-plane, divided by 2π. `factor`
@@ -211,12 +220,4 @@ fn hermite([a, b]: [f64; 2], [slope_a, slope_b]: [f64; 2], t: f64) -> f64 {
         + slope_a * (t3 - 2.0 * t2 + t)
         + b * (3.0 * t2 - 2.0 * t3)
         + slope_b * (t3 - t2)
-}
-
-/// sin x / x.
-fn sinc(x: f64) -> f64 {
-    match x.abs() < 1e-4 {
-        true => 1.0 - x * x / 6.0,
-        false => x.sin() / x,
-    }
 }

@@ -32,7 +32,7 @@ const RAISED: f64 = 1.25;
 const RAISED_BEYOND: f64 = 1.5;
 
 /// Height of the first tent above a string, as a share of the distance between its ends, and the number of heights that
-/// are tried, each twice as far above the string.
+/// are tried. The height above the string doubles from one to the next.
 const OVER: f64 = 1e-4;
 const OVER_STEPS: u32 = 12;
 
@@ -203,7 +203,7 @@ impl HalfPlanes {
         strings
     }
 
-    /// Seeks strings in half-planes without one from the feet of those beside them.
+    /// Seeks the missing strings again, with tents over the contacts of the strings in neighbouring half-planes.
     fn continue_beside(&self, space: &impl Space, strings: &mut [Option<TautString>]) {
         for step in [1, HALF_PLANES - 1] {
             for start in 0..HALF_PLANES {
@@ -248,7 +248,7 @@ impl HalfPlanes {
     }
 
     /// The point at which an obstacle touches the lowest tent that it blocks, in the half-plane of an azimuth: above the
-    /// straight line, or above a string. `None` if none does up to a detour of `most_m` metres.
+    /// straight line, or above a string. `None` if all tents up to a detour of `most_m` metres are free.
     pub fn beyond(
         &self,
         space: &impl Space,
@@ -460,7 +460,7 @@ fn first_free(is_free: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
 }
 
 /// Narrows the interval between a blocked and a free value, whichever is greater, to `error`.
-fn bisect(
+pub(super) fn bisect(
     mut blocked: f64,
     mut free: f64,
     error: f64,

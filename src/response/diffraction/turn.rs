@@ -1,5 +1,6 @@
 //! Turns of a taut string: at an edge, or along a curved surface.
 
+use super::round::Arc;
 use glam::DVec3;
 
 /// Turn in radians up to which the apex of a turn is the point where its legs meet: beyond, they hardly do.
@@ -74,6 +75,17 @@ impl Turn {
             arc_m,
             creeping: (self.angle * self.angle * arc_m).cbrt(),
             ..self
+        }
+    }
+
+    /// The way along the surface, with the lengths of the ways before and after it in metres.
+    pub fn arc(&self, before_m: f64, after_m: f64) -> Arc {
+        Arc {
+            before_m,
+            after_m,
+            arc_m: self.arc_m,
+            angle: self.angle,
+            creeping: self.creeping,
         }
     }
 

@@ -3,19 +3,19 @@
 use super::bend::Bend;
 use super::interference::{self, Sound, THIRDS, band_mean, coherence};
 use super::rim::Rim;
-use super::ring::{Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
+use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::round::Arc;
 use super::space::Space;
-use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::wedge::shadow_function;
+use super::string::{HalfPlanes, STEP, TautString};
+use super::wedge::behind_screen;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Phase in radians between the longest string around an obstacle and the straight line at which their factors count half: a narrower obstacle
-/// disturbs the front as a thin screen does.
+/// Phase in radians between the longest string around an obstacle and the straight line at which the factors of the ways
+/// count half: a narrower obstacle disturbs the front as a thin screen does.
 const NARROW: f64 = 3.0;
 
 /// Turn of the half-plane in radians over which the growth of a string's length is measured.
@@ -69,12 +69,8 @@ impl Ways {
     pub fn around(space: &impl Space, planes: &HalfPlanes) -> Ways {
         let apart_m = planes.apart_m();
         let strings = planes.strings(space);
-        let mut detours: Detours = [None; HALF_PLANES];
-        for (detour, string) in detours.iter_mut().zip(&strings) {
-            *detour = string
-                .as_ref()
-                .map(|string: &TautString| string.length_m() - apart_m);
-        }
+        let detour = |string: &TautString| string.length_m() - apart_m;
+        let mut detours: Detours = std::array::from_fn(|index| strings[index].as_ref().map(detour));
         let bends = |basin: &Basin| Bend::of(space, planes, basin.shortest as f64 * STEP);
         let found: Vec<Bend> = Basin::all(&detours).iter().filter_map(bends).collect();
         for bend in &found {
@@ -147,8 +143,8 @@ impl Ways {
         energies
     }
 
-    /// The sounds of the ways, and then those of the edges beside them, relative to the open, for the wave number `k`.
-    /// `faces` are the pressure reflection coefficients at the turns of each way, and at the edges beside them.
+    /// The sounds of the ways, followed by the sounds of the other edges, relative to the open, for the wave number `k`.
+    /// `faces` has the pressure reflection coefficients in the same order: at the turns of each way, and at each edge.
     pub fn sounds(&self, space: &impl Space, k: f64, faces: &[Vec<f64>]) -> Vec<Sound> {
         let (of_bends, of_rims) = faces.split_at(self.bends.len());
         let ways = self.bends.iter().zip(of_bends).map(|(way, faces)| {
@@ -247,11 +243,10 @@ impl Way {
             .collect();
         let apart_m = planes.apart_m();
         let detour_m = bend.length_m - apart_m;
-        let mut lines: Detours = [None; HALF_PLANES];
-        for (index, line) in lines.iter_mut().enumerate() {
-            let length = bend.length_over_lines(planes, index as f64 * STEP);
-            *line = length.map(|length| length - apart_m);
-        }
+        let lines = ring::detours(|azimuth| {
+            let length = bend.length_over_lines(planes, azimuth)?;
+            Some(length - apart_m)
+        });
         let beside = |turn: f64| {
             let string = planes.string(space, bend.azimuth + turn)?;
             Some(string.length_m() - bend.length_m)
@@ -297,20 +292,19 @@ impl Way {
             true => k * self.longest_m / (k * self.longest_m + NARROW),
             false => 1.0,
         };
-        let screen = |growth_m: f64| 0.5 * shadow_function((k * growth_m.max(0.0)).sqrt());
+        let screen = |growth_m: f64| behind_screen(k * growth_m);
         let relative = |factor: Complex64| Complex64::ONE + (factor - 1.0) * wide;
         let softness = match faces {
             [face] => 0.5 * (1.0 + face),
             _ => 1.0,
         };
-        let own: Complex64 = self.own.iter().map(|samples| samples.sum(k)).sum();
         let round = bend.most_round(space, k);
         let mut sum = Complex64::ZERO;
         if round < 1.0 {
-            let lines: Complex64 = self.lines.iter().map(|samples| samples.sum(k)).sum();
             let straight = screen(detour_m);
             let factor = product * (apart_m / bend.length_m) / straight;
-            let front = straight * Complex64::cis(k * detour_m) + own - lines;
+            let ends = ring::sum(&self.own, k) - ring::sum(&self.lines, k);
+            let front = straight * Complex64::cis(k * detour_m) + ends;
             sum += (1.0 - round) * relative(factor) * front;
         }
         if round > 0.0 {
@@ -351,11 +345,7 @@ fn single_arc(string: &TautString) -> Option<Arc> {
     let [turn] = &turns[..] else {
         return None;
     };
-    (turn.arc_m > 0.0).then(|| Arc {
-        before_m: string.source.distance(turn.entry),
-        after_m: string.listener.distance(turn.exit),
-        arc_m: turn.arc_m,
-        angle: turn.angle,
-        creeping: turn.creeping,
-    })
+    let before_m = string.source.distance(turn.entry);
+    let after_m = string.listener.distance(turn.exit);
+    (turn.arc_m > 0.0).then(|| turn.arc(before_m, after_m))
 }

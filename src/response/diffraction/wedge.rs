@@ -84,6 +84,14 @@ impl Wedge {
         self.image_m(self.receiver_angle - self.source_angle)
     }
 
+    /// The pressure behind the edge for the wave number `k`, relative to the open at the way's length and to its phase.
+    /// `face` is the pressure reflection coefficient of both faces.
+    pub fn behind(&self, k: f64, face: f64) -> Complex64 {
+        let (length, apart) = (self.length_m(), self.apart_m());
+        let phase = Complex64::cis(-k * (length - apart));
+        self.diffracted(k).sum([face; 2]) * phase * (length / apart)
+    }
+
     /// The diffracted pressure for the wave number `k`, in rad/m.
     pub fn diffracted(&self, k: f64) -> Diffracted {
         let (source, receiver) = (self.source_angle, self.receiver_angle);
@@ -202,6 +210,12 @@ impl SignumAtZero for f64 {
 
 /// Where the series gives way to the continued fraction: both have an error below 1e-9 there.
 const SERIES_UNTIL: f64 = 3.0;
+
+/// The pressure behind the edge of a thin screen, ½ W(√(kδ)), relative to the phase of the way over the edge. `phase` is kδ
+/// for a way that is longer than the straight one by δ; negative values count as 0.
+pub(super) fn behind_screen(phase: f64) -> Complex64 {
+    0.5 * shadow_function(phase.max(0.0).sqrt())
+}
 
 /// W(x) = e^{−ix²} erfc(e^{−iπ/4} x) for x ≥ 0: 1 at 0, and about e^{iπ/4}/(√π x) for large x.
 ///
