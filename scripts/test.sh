@@ -135,7 +135,19 @@ check_crates() {
     fi
 }
 
+# Checks that the lock files of the workspaces beside the main one are up to date, before anything slow runs.
+check_lock_files() {
+    local manifest
+    for manifest in apps/page/Cargo.toml fuzz/Cargo.toml; do
+        if ! cargo update --quiet --workspace --locked --manifest-path "$manifest"; then
+            complain "$manifest: its Cargo.lock is out of date; run cargo update --workspace there"
+            return 1
+        fi
+    done
+}
+
 check_code() {
+    check_lock_files
     run cargo fmt --all --check
     run cargo fmt --all --check --manifest-path apps/page/Cargo.toml
     run cargo clippy "${EVERYTHING[@]}" --all-targets -- -D warnings
