@@ -26,6 +26,7 @@ mod bend;
 mod brink;
 mod edge;
 mod interference;
+mod mirrored;
 mod profile;
 mod rim;
 mod ring;
@@ -43,6 +44,8 @@ use crate::geometry::ExactScene;
 use bend::Bend;
 use glam::DVec3;
 use interference::{Sound, band_mean};
+pub(super) use mirrored::Mirror;
+use mirrored::MirroredSpace;
 use num_complex::Complex64;
 use rim::Rim;
 use space::Space;
@@ -50,20 +53,26 @@ use string::HalfPlanes;
 use ways::Ways;
 use wedge::behind_screen;
 
+/// The world positions of source and listener in metres.
+pub(super) type Ends = (DVec3, DVec3);
+
 /// A path that bends at edges.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DiffractedPath {
-    /// The points at which it bends, in world metres.
+    /// The points at which it bends or is reflected, in world metres.
     pub points: Vec<DVec3>,
     /// The numbers of the surfaces at these points, from 1.
     pub surfaces: Vec<u32>,
+    /// The indices of the points at which it is reflected.
+    pub reflections: Vec<usize>,
     /// Length in metres.
     pub length_m: f64,
     /// Unit vector in world axes, at the source.
     pub departure: DVec3,
     /// Unit vector of flight in world axes, at the listener.
     pub arrival_direction: DVec3,
-    /// Energy density at the listener by band, in 1/m² for a source of power 1, without the loss in the air.
+    /// Energy density at the listener by band, in 1/m² for a source of power 1, without the losses in the air and at
+    /// reflections.
     pub energy: Bands,
     /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energies.
     pub errors_db: Bands,
@@ -95,57 +104,89 @@ pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
 /// `coefficients` are the pressure reflection coefficients of a surface, by its number and by band.
 pub(super) fn around(
     exact: &ExactScene,
-    (source, listener): (DVec3, DVec3),
+    ends: Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Vec<DiffractedPath> {
-    if exact.is_free(source, listener) {
-        return Vec::new();
+    let ways = ways_around(exact, ends);
+    ways.map_or(Vec::new(), |ways| ways.paths(exact, speed, coefficients))
+}
+
+/// The diffracted paths from a source to a listener that are reflected at a plane face; none if its reflection reaches
+/// the listener without bending.
+pub(super) fn around_mirrored(
+    exact: &ExactScene,
+    mirror: Mirror,
+    ends: Ends,
+    speed: f64,
+    coefficients: impl Fn(u32) -> Bands,
+) -> Vec<DiffractedPath> {
+    MirroredSpace { exact, mirror }.around(ends, speed, coefficients)
+}
+
+/// The energy of the reflection at a plane face, relative to that without obstacles, by band, with the edges beside its
+/// way.
+pub(super) fn beside_mirrored(
+    exact: &ExactScene,
+    mirror: Mirror,
+    ends: Ends,
+    speed: f64,
+    coefficients: impl Fn(u32) -> Bands,
+) -> Bands {
+    MirroredSpace { exact, mirror }.beside(ends, speed, coefficients)
+}
+
+/// The ways from a source to a listener around what is between them; `None` if they see each other.
+fn ways_around(space: &impl Space, (source, listener): Ends) -> Option<Ways> {
+    if space.is_free(source, listener) {
+        return None;
     }
-    let Some(planes) = HalfPlanes::between(source, listener) else {
-        return Vec::new();
-    };
-    let mut ways = Ways::around(exact, &planes);
+    let planes = HalfPlanes::between(source, listener)?;
+    let mut ways = Ways::around(space, &planes);
     for off in OFF_THE_EDGE {
         let Some(outwards) = ways.touched() else {
             break;
         };
         let moved = listener - outwards * (off * planes.apart_m());
-        let moved = HalfPlanes::between(source, moved).map(|planes| Ways::around(exact, &planes));
+        let moved = HalfPlanes::between(source, moved).map(|planes| Ways::around(space, &planes));
         // At a body that is thinner than the step the moved listener may see the source.
         ways = moved
             .filter(|moved| !moved.bends.is_empty())
             .unwrap_or(ways);
     }
-    let energies = ways.energies(exact, speed, coefficients);
-    let errors_db = ways.errors_db();
-    let paths = ways.bends.iter().zip(energies);
-    paths
-        .filter_map(|(way, energy)| DiffractedPath::along(&way.bend, exact, (energy, errors_db)))
-        .collect()
+    Some(ways)
 }
 
 /// The energy of the direct sound, relative to that in the open, by band, with the edges beside the way from a source to
 /// a listener that see each other, and the energy that reflections which end at these edges leave behind.
 pub(super) fn beside(
     exact: &ExactScene,
-    (source, listener): (DVec3, DVec3),
+    ends: Ends,
+    speed: f64,
+    coefficients: impl Fn(u32) -> Bands,
+) -> Bands {
+    beside_in(exact, ends, speed, coefficients)
+}
+
+fn beside_in(
+    space: &impl Space,
+    (source, listener): Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Bands {
     let Some(planes) = HalfPlanes::between(source, listener) else {
         return [1.0; BAND_COUNT];
     };
-    let mut rims = Rim::all(exact, &planes, &[]);
+    let mut rims = Rim::all(space, &planes, &[]);
     if let Some(touched) = rims.iter().find(|rim| rim.touches_the_straight_way()) {
         // The half-planes of an edge on the line between source and listener are not defined.
         let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * planes.apart_m());
         let planes = HalfPlanes::between(source, moved);
-        rims = planes.map_or(Vec::new(), |planes| Rim::all(exact, &planes, &[]));
+        rims = planes.map_or(Vec::new(), |planes| Rim::all(space, &planes, &[]));
     }
     let faces: Vec<Bands> = rims
         .iter()
-        .map(|rim| coefficients(exact.nearest(rim.point())))
+        .map(|rim| coefficients(space.nearest(rim.point())))
         .collect();
     std::array::from_fn(|band| {
         band_mean(band, speed, |k| {
@@ -155,7 +196,7 @@ pub(super) fn beside(
             }];
             let mut reflected = 0.0;
             for (rim, face) in rims.iter().zip(&faces) {
-                let Some(added) = rim.added(exact, k, face[band]) else {
+                let Some(added) = rim.added(space, k, face[band]) else {
                     continue;
                 };
                 reflected += added.reflected.norm_sqr();
@@ -172,14 +213,15 @@ pub(super) fn beside(
 impl DiffractedPath {
     fn along(
         bend: &Bend,
-        exact: &ExactScene,
+        space: &impl Space,
         (energy, errors_db): (Bands, Bands),
     ) -> Option<DiffractedPath> {
         let last = bend.points.len() - 1;
         let points: Vec<DVec3> = bend.turns.iter().map(|turn| turn.middle).collect();
         Some(DiffractedPath {
-            surfaces: points.iter().map(|point| exact.nearest(*point)).collect(),
+            surfaces: points.iter().map(|point| space.nearest(*point)).collect(),
             points,
+            reflections: Vec::new(),
             length_m: bend.length_m,
             departure: (bend.points[1] - bend.points[0]).try_normalize()?,
             arrival_direction: (bend.points[last] - bend.points[last - 1]).try_normalize()?,

@@ -1,5 +1,6 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
+use super::DiffractedPath;
 use super::bend::Bend;
 use super::interference::{self, Sound, THIRDS, band_mean, coherence};
 use super::rim::Rim;
@@ -9,7 +10,6 @@ use super::space::Space;
 use super::string::{HalfPlanes, STEP, TautString};
 use super::wedge::behind_screen;
 use crate::bands::{BAND_COUNT, Bands};
-use crate::geometry::ExactScene;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -116,17 +116,41 @@ impl Ways {
         touched.map(|way| way.bend.outwards())
     }
 
+    /// Leaves out the ways and the edges beside them of which no point satisfies the condition.
+    pub fn retain(&mut self, is_kept: impl Fn(DVec3) -> bool) {
+        let is_on = |way: &Way| way.bend.turns.iter().any(|turn| is_kept(turn.middle));
+        self.bends.retain(is_on);
+        self.rims.retain(|rim| is_kept(rim.point()));
+    }
+
+    /// The paths along the ways; `coefficients` are the pressure reflection coefficients of a surface, by its number and
+    /// by band.
+    pub fn paths(
+        &self,
+        space: &impl Space,
+        speed: f64,
+        coefficients: impl Fn(u32) -> Bands,
+    ) -> Vec<DiffractedPath> {
+        let energies = self.energies(space, speed, coefficients);
+        let errors_db = self.errors_db();
+        let paths = self.bends.iter().zip(energies);
+        let path = |(way, energy): (&Way, Bands)| {
+            DiffractedPath::along(&way.bend, space, (energy, errors_db))
+        };
+        paths.filter_map(path).collect()
+    }
+
     /// Energy density at the listener of each way by band, in 1/m² for a source of power 1.
     ///
     /// The energies add up to the energy of the sum of the pressures. Ways that are equally long are one in a band: the
     /// shortest has their energy.
-    pub fn energies(
+    fn energies(
         &self,
-        exact: &ExactScene,
+        space: &impl Space,
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
     ) -> Vec<Bands> {
-        let face = |point: DVec3| coefficients(exact.nearest(point));
+        let face = |point: DVec3| coefficients(space.nearest(point));
         let of_bends = self.bends.iter().map(|way| {
             let turns = way.bend.turns.iter();
             turns.map(|turn| face(turn.middle)).collect()
@@ -135,7 +159,7 @@ impl Ways {
         let faces: Vec<Vec<Bands>> = of_bends.chain(of_rims).collect();
         let mut energies = vec![[0.0; BAND_COUNT]; self.bends.len()];
         for band in 0..BAND_COUNT {
-            let in_band = self.in_band(exact, speed, band, &faces);
+            let in_band = self.in_band(space, speed, band, &faces);
             for (energies, energy) in energies.iter_mut().zip(in_band) {
                 energies[band] = energy / (4.0 * PI * self.apart_m * self.apart_m);
             }
@@ -190,7 +214,7 @@ impl Ways {
 
     fn in_band(
         &self,
-        exact: &ExactScene,
+        space: &impl Space,
         speed: f64,
         band: usize,
         faces: &[Vec<Bands>],
@@ -204,7 +228,7 @@ impl Ways {
         let in_band = |surfaces: &[Bands]| surfaces.iter().map(|face| face[band]).collect();
         let faces: Vec<Vec<f64>> = faces.iter().map(|faces| in_band(faces)).collect();
         let whole = band_mean(band, speed, |k| {
-            let sounds = self.sounds(exact, k, &faces);
+            let sounds = self.sounds(space, k, &faces);
             for (own, sound) in own.iter_mut().zip(&sounds) {
                 // Ways that are equally long are one.
                 let apart = 1.0 - coherence(sound.length_m - shortest_m, k).abs();
