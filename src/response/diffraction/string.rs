@@ -112,6 +112,25 @@ impl TautString {
     }
 }
 
+/// Removes the contacts at which the string does not turn: they lie at most `error_m`, the error of a tent's height, from
+/// the line between their neighbours. A string along a face has such contacts anywhere on it. One contact always stays.
+fn drop_straight(source: DVec3, contacts: &mut Vec<Contact>, listener: DVec3, error_m: f64) {
+    let mut index = 0;
+    while contacts.len() > 1 && index < contacts.len() {
+        let before = index.checked_sub(1).map(|before| contacts[before]);
+        let is_followed = contacts[index].is_followed || before.is_some_and(|c| c.is_followed);
+        let before = before.map_or(source, |contact| contact.point);
+        let after = contacts.get(index + 1);
+        let after = after.map_or(listener, |contact| contact.point);
+        let (along, point) = (after - before, contacts[index].point - before);
+        let height_m = point.reject_from(along).length();
+        match height_m <= 2.0 * error_m && !is_followed {
+            true => drop(contacts.remove(index)),
+            false => index += 1,
+        }
+    }
+}
+
 /// Length of a polyline in metres.
 pub(super) fn length(points: &[DVec3]) -> f64 {
     points.windows(2).map(|leg| leg[0].distance(leg[1])).sum()
@@ -176,10 +195,16 @@ impl HalfPlanes {
             error,
             feet,
         };
-        let contacts = plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?;
+        let mut contacts = plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?;
         if contacts.is_empty() {
             return None;
         }
+        drop_straight(
+            self.source,
+            &mut contacts,
+            self.listener,
+            error * self.apart_m(),
+        );
         Some(TautString {
             source: self.source,
             contacts,
