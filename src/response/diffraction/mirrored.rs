@@ -9,9 +9,10 @@
 //! From the image of the source to the listener a string crosses the plane once: the sound is reflected before the edge
 //! or after it. From the source itself to the listener it crosses the plane twice, or not at all.
 
+use super::lit::Lit;
 use super::space::{Obstacle, Space};
-use super::{DiffractedPath, Ends, beside_in, ways_around};
-use crate::bands::Bands;
+use super::{DiffractedPath, Ends, ways_around};
+use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
@@ -178,12 +179,10 @@ impl MirroredSpace<'_> {
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
     ) -> Bands {
-        beside_in(
-            self,
-            (self.mirror.image(source), listener),
-            speed,
-            coefficients,
-        )
+        let lit = Lit::between(self, (self.mirror.image(source), listener));
+        lit.map_or([1.0; BAND_COUNT], |lit| {
+            lit.energy(self, speed, coefficients)
+        })
     }
 }
 
@@ -191,7 +190,6 @@ impl MirroredSpace<'_> {
 mod tests {
     use super::super::{around, around_mirrored, beside, beside_mirrored};
     use super::*;
-    use crate::bands::BAND_COUNT;
     use crate::scene::Scene;
 
     const SPEED: f64 = 343.0;

@@ -26,6 +26,7 @@ mod bend;
 mod brink;
 mod edge;
 mod interference;
+mod lit;
 mod mirrored;
 mod profile;
 mod rim;
@@ -43,11 +44,11 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use bend::Bend;
 use glam::DVec3;
-use interference::{Sound, band_mean};
+use interference::band_mean;
+use lit::Lit;
 pub(super) use mirrored::Mirror;
 use mirrored::MirroredSpace;
 use num_complex::Complex64;
-use rim::Rim;
 use space::Space;
 use string::HalfPlanes;
 use ways::Ways;
@@ -165,48 +166,9 @@ pub(super) fn beside(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Bands {
-    beside_in(exact, ends, speed, coefficients)
-}
-
-fn beside_in(
-    space: &impl Space,
-    (source, listener): Ends,
-    speed: f64,
-    coefficients: impl Fn(u32) -> Bands,
-) -> Bands {
-    let Some(planes) = HalfPlanes::between(source, listener) else {
-        return [1.0; BAND_COUNT];
-    };
-    let mut rims = Rim::all(space, &planes, &[]);
-    if let Some(touched) = rims.iter().find(|rim| rim.touches_the_straight_way()) {
-        // The half-planes of an edge on the line between source and listener are not defined.
-        let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * planes.apart_m());
-        let planes = HalfPlanes::between(source, moved);
-        rims = planes.map_or(Vec::new(), |planes| Rim::all(space, &planes, &[]));
-    }
-    let faces: Vec<Bands> = rims
-        .iter()
-        .map(|rim| coefficients(space.nearest(rim.point())))
-        .collect();
-    std::array::from_fn(|band| {
-        band_mean(band, speed, |k| {
-            let mut sounds = vec![Sound {
-                pressure: Complex64::ONE,
-                length_m: planes.apart_m(),
-            }];
-            let mut reflected = 0.0;
-            for (rim, face) in rims.iter().zip(&faces) {
-                let Some(added) = rim.added(space, k, face[band]) else {
-                    continue;
-                };
-                reflected += added.reflected.norm_sqr();
-                sounds.push(Sound {
-                    pressure: added.direct,
-                    length_m: rim.length_m,
-                });
-            }
-            interference::energy(&sounds, k) + reflected
-        })
+    let lit = Lit::between(exact, ends);
+    lit.map_or([1.0; BAND_COUNT], |lit| {
+        lit.energy(exact, speed, coefficients)
     })
 }
 
