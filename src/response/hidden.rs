@@ -6,13 +6,101 @@ use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath, Vertex};
+use crate::response::{ResponseSettings, Tap};
 use crate::scene::{Pair, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
+/// The sound that obstacles hide, along paths around them and through them.
+#[derive(Default)]
+pub(super) struct Hidden {
+    /// The paths around what hides the source.
+    around: Vec<HeardPath>,
+    /// The paths around what hides reflections.
+    reflected: Vec<Bent>,
+    /// The straight path through what hides the source.
+    through: Option<HeardPath>,
+}
+
+impl Hidden {
+    /// Finds the paths that the settings ask for, and changes the `paths` that are not hidden by the edges beside them.
+    /// `reflections` are the hidden reflections at plane faces.
+    ///
+    /// # Errors
+    /// The errors of [`EarlyPaths::new`].
+    pub fn find(
+        pair: Pair,
+        medium: &Medium,
+        settings: &ResponseSettings,
+        reflections: &[Vertex],
+        paths: &mut [HeardPath],
+    ) -> Result<Hidden, Error> {
+        let is_hidden = !paths.iter().any(HeardPath::is_direct);
+        let transmits = settings.transmits() && is_hidden;
+        if !settings.diffracts() && !transmits {
+            return Ok(Hidden::default());
+        }
+        let obstacles = Obstacles::of(pair, medium)?;
+        let mut hidden = Hidden::default();
+        if settings.diffracts() {
+            hidden.reflected = obstacles.reflections_around(reflections);
+            obstacles.change_beside(paths);
+        }
+        if settings.diffracts() && is_hidden {
+            hidden.around = obstacles.paths_around();
+        }
+        if transmits {
+            hidden.through = obstacles.path_through(&hidden.around);
+        }
+        Ok(hidden)
+    }
+
+    /// Whether the sound bends around what hides the source.
+    pub fn is_bent(&self) -> bool {
+        !self.around.is_empty()
+    }
+
+    /// Whether the sound bends around what hides the reflection with this index.
+    pub fn is_reflection_bent(&self, reflection: usize) -> bool {
+        let mut all = self.reflected.iter();
+        all.any(|bent| bent.reflection == reflection)
+    }
+
+    /// Whether paths replace the waves that pass solids in a straight line.
+    pub fn is_replaced(&self) -> bool {
+        self.is_bent() || self.through.is_some()
+    }
+
+    /// An estimate of the reflections of higher order that do not bend, if more than one face reflects: the taps of those
+    /// of first order, weaker by the same ratio as those are weaker than the paths without a reflection.
+    pub fn further_reflections(&self) -> Vec<Tap> {
+        if self.reflected.len() < 2 {
+            return Vec::new();
+        }
+        let all = || self.reflected.iter().flat_map(|bent| &bent.paths);
+        let first = bands::sum(all().map(|path| &path.energy));
+        let without = bands::sum(self.around.iter().map(|path| &path.energy));
+        let ratio: Bands = std::array::from_fn(|band| match first[band] < without[band] {
+            true => first[band] / without[band],
+            false => 1.0,
+        });
+        let tap = |path: &HeardPath| Tap {
+            energy: std::array::from_fn(|band| path.energy[band] * ratio[band]),
+            ..path.tap()
+        };
+        all().map(tap).collect()
+    }
+
+    /// All paths.
+    pub fn into_paths(self) -> impl Iterator<Item = HeardPath> {
+        let reflected = self.reflected.into_iter().flat_map(|bent| bent.paths);
+        self.around.into_iter().chain(reflected).chain(self.through)
+    }
+}
+
 /// The surfaces between the source and the listener of a pair.
-pub(super) struct Obstacles<'a> {
+struct Obstacles<'a> {
     pair: Pair<'a>,
     medium: &'a Medium,
     early: EarlyPaths,
@@ -21,15 +109,15 @@ pub(super) struct Obstacles<'a> {
 }
 
 /// The paths around what hides the reflection at a plane face.
-pub(super) struct Bent {
+struct Bent {
     /// The index of the reflection.
-    pub reflection: usize,
+    reflection: usize,
     /// The sound along the paths.
-    pub paths: Vec<HeardPath>,
+    paths: Vec<HeardPath>,
 }
 
 impl<'a> Obstacles<'a> {
-    pub fn of(pair: Pair<'a>, medium: &'a Medium) -> Result<Obstacles<'a>, Error> {
+    fn of(pair: Pair<'a>, medium: &'a Medium) -> Result<Obstacles<'a>, Error> {
         let early = EarlyPaths::new(pair)?;
         let ends = early.ends(pair);
         let ends = (ends.source, ends.listener);
@@ -43,7 +131,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// The paths around what hides the source from the listener; none if they see each other, or if either is in a solid.
-    pub fn paths_around(&self) -> Vec<HeardPath> {
+    fn paths_around(&self) -> Vec<HeardPath> {
         let Some(ends) = self.ends else {
             return Vec::new();
         };
@@ -56,7 +144,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// The paths around what hides reflections at plane faces, which `hidden` names.
-    pub fn reflections_around(&self, hidden: &[Vertex]) -> Vec<Bent> {
+    fn reflections_around(&self, hidden: &[Vertex]) -> Vec<Bent> {
         let Some(ends) = self.ends else {
             return Vec::new();
         };
@@ -77,7 +165,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// The change of the direct sound, and of reflections at a single plane face, by the edges beside their ways.
-    pub fn change_beside(&self, paths: &mut [HeardPath]) {
+    fn change_beside(&self, paths: &mut [HeardPath]) {
         let Some(ends) = self.ends else {
             return;
         };
@@ -116,7 +204,7 @@ impl<'a> Obstacles<'a> {
 
     /// The path straight through what hides the source from the listener; `None` if nothing passes, or if either is in a
     /// solid. `around` are the paths around the obstacle: it intercepts only the rest of the front.
-    pub fn path_through(&self, around: &[HeardPath]) -> Option<HeardPath> {
+    fn path_through(&self, around: &[HeardPath]) -> Option<HeardPath> {
         let (source, listener) = self.ends?;
         let ends = (source, listener);
         let passed = transmission::through(self.pair.scene, self.early.exact(), ends)?;
@@ -237,5 +325,61 @@ impl Path {
             azimuth,
             elevation,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(energy: f64) -> HeardPath {
+        let scene = Scene::builtin("open-field").expect("a built-in scene");
+        let pair = scene.pair(0, 0).expect("a pair");
+        let medium = Medium {
+            air: [0.0; BAND_COUNT],
+            ..Medium::of(pair)
+        };
+        let path = Path {
+            kind: PathKind::Diffracted,
+            points: Vec::new(),
+            surfaces: Vec::new(),
+            reflections: Vec::new(),
+            walls: Vec::new(),
+            length_m: 10.0,
+            departure: DVec3::X,
+            arrival_direction: DVec3::X,
+            energy: [energy; BAND_COUNT],
+            errors_db: [0.0; BAND_COUNT],
+        };
+        path.heard(pair, &medium)
+    }
+
+    fn bent(reflection: usize, energy: f64) -> Bent {
+        Bent {
+            reflection,
+            paths: vec![path(energy)],
+        }
+    }
+
+    /// Protects the estimate of what does not bend: reflections continue their series, by at most their own energy, and a
+    /// single face has no further ones.
+    #[test]
+    fn further_reflections_continue_the_series() {
+        let energies = |around: Vec<f64>, reflected: Vec<f64>| -> Vec<f64> {
+            let reflected = reflected.into_iter().enumerate();
+            let hidden = Hidden {
+                around: around.into_iter().map(path).collect(),
+                reflected: reflected
+                    .map(|(index, energy)| bent(index, energy))
+                    .collect(),
+                through: None,
+            };
+            let taps = hidden.further_reflections();
+            taps.iter().map(|tap| tap.energy[0]).collect()
+        };
+        assert_eq!(energies(vec![4.0, 4.0], vec![1.0, 3.0]), [0.5, 1.5]);
+        assert_eq!(energies(vec![1.0], vec![1.0, 3.0]), [1.0, 3.0]);
+        assert_eq!(energies(Vec::new(), vec![1.0, 3.0]), [1.0, 3.0]);
+        assert!(energies(vec![1.0], vec![1.0]).is_empty());
     }
 }

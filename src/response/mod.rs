@@ -76,7 +76,7 @@ use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early_part::{Caught, EarlyPart};
 pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
-use hidden::Obstacles;
+use hidden::Hidden;
 use late::{Arrivals, LateSphere};
 use serde::{Deserialize, Serialize};
 use source_sound::Medium;
@@ -172,36 +172,25 @@ impl Response {
         let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
         let all_paths = part.heard(pair, &medium);
         let is_hidden = direct(&all_paths).is_none();
-        let obstacles = Obstacles::of(pair, &medium)?;
-        let around = match settings.diffracts() && is_hidden {
-            true => obstacles.paths_around(),
-            false => Vec::new(),
-        };
-        let bent = match settings.diffracts() {
-            true => obstacles.reflections_around(part.hidden_reflections()),
-            false => Vec::new(),
-        };
-        let through = match settings.transmits() && is_hidden {
-            true => obstacles.path_through(&around),
-            false => None,
-        };
+        let mut paths = all_paths.clone();
+        let hidden = Hidden::find(
+            pair,
+            &medium,
+            settings,
+            part.hidden_reflections(),
+            &mut paths,
+        )?;
         // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
-        let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && !around.is_empty();
-        let is_bent = |reflection| bent.iter().any(|bent| bent.reflection == reflection);
-        part.left_over(is_bent)
+        let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && hidden.is_bent();
+        part.left_over(|reflection| hidden.is_reflection_bent(reflection))
             .filter(|arrival| !is_replaced(arrival))
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         // An exact path replaces the waves that pass solids in a straight line.
-        if is_hidden && around.is_empty() && through.is_none() {
+        if is_hidden && !hidden.is_replaced() {
             echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
         }
-        let mut paths = all_paths.clone();
-        if settings.diffracts() {
-            obstacles.change_beside(&mut paths);
-        }
-        paths.extend(bent.into_iter().flat_map(|bent| bent.paths));
-        paths.extend(around);
-        paths.extend(through);
+        let further_reflections = hidden.further_reflections();
+        paths.extend(hidden.into_paths());
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
@@ -213,6 +202,10 @@ impl Response {
         let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);
         if let Some(common) = late.errors {
             figures = figures.with_common_errors(&common);
+        }
+        if !further_reflections.is_empty() {
+            let all = [&taps[..], &further_reflections].concat();
+            figures = figures.with_differences(Record::new(&all, &echogram, ends_s), &bands::ALL);
         }
         // The bias is empty without scattering.
         if bias.bins() > 0 {

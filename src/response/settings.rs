@@ -38,8 +38,8 @@ pub struct ResponseSettings {
     pub bin_s: f64,
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
-    /// Whether the direct sound bends around obstacles: false by default, because reflections and late arrivals do not
-    /// bend yet. The profile `thesis` has no diffraction.
+    /// Whether the direct sound, and reflections at plane faces, bend around obstacles: false by default, because late
+    /// arrivals do not bend. The profile `thesis` has no diffraction.
     pub diffraction: bool,
     /// Whether sound passes through solids whose materials transmit sound, in a straight line to the listener and in
     /// the late part: true by default. The profile `thesis` has no transmission.

@@ -2,7 +2,8 @@
 
 use crate::oracle::{Wedge, ball, cylinder};
 use echomarch::gl::Context;
-use echomarch::response::{PathKind, Response, ResponseSettings};
+use echomarch::glam::DVec3;
+use echomarch::response::{HeardPath, PathKind, Response, ResponseSettings};
 use echomarch::{Scene, Settings, Tracer};
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
@@ -236,4 +237,45 @@ fn sound_does_not_bend_unless_it_is_asked_for() {
     assert_eq!(kinds, []);
     let (kinds, _) = heard(&mut tracer(), shape, ends, true);
     assert!(kinds.contains(&PathKind::Diffracted), "{kinds:?}");
+}
+
+/// The response of a scene.
+fn response(tracer: &mut Tracer, text: &str, diffraction: bool) -> Response {
+    let scene = Scene::from_ron(text, "test").expect("a scene");
+    let settings = ResponseSettings::default()
+        .with_seconds(0.4)
+        .with_diffraction(diffraction)
+        .with_trace(Settings::default().with_waves(1024));
+    Response::trace(tracer, &scene, &settings).expect("a response")
+}
+
+/// Protects the four ways over a wall on the ground: without a reflection, with one on either side, and with both. Each
+/// reflection costs the share that the ground absorbs.
+#[test]
+fn reflections_bend_over_a_wall_on_the_ground() {
+    let scene = |absorption: f64| {
+        format!(
+            "Scene(materials: {{\"ground\": Material(absorption: {absorption})}}, \
+             surfaces: [Surface(shape: Plane, material: \"ground\"), \
+             Surface(shape: Box(size: (0.2, 3, 400)), position: (0, 1.5, 0))], \
+             source: Source(position: (-5, 1, 0)), listener: Listener(position: (6, 1.5, 1), radius: 0.2))"
+        )
+    };
+    let mut tracer = tracer();
+    let [rigid, soft] = [0.0, 0.75].map(|share| response(&mut tracer, &scene(share), true).paths);
+    let reflections = |path: &HeardPath| -> Vec<u32> {
+        let surface = |point: &usize| path.path.surfaces[*point];
+        path.reflections.iter().map(surface).collect()
+    };
+    let all: Vec<Vec<u32>> = rigid.iter().map(reflections).collect();
+    assert_eq!(all, [vec![], vec![1], vec![1], vec![1, 1]]);
+    for (rigid, soft) in rigid.iter().zip(&soft) {
+        assert_eq!(rigid.kind, PathKind::Diffracted);
+        let points = [&[DVec3::new(-5.0, 1.0, 0.0)], &rigid.path.points[..]].concat();
+        let departure = (points[1] - points[0]).normalize();
+        assert!(departure.distance(rigid.path.departure) < 1e-2, "{rigid:?}");
+        let lost_db = 10.0 * (soft.energy[3] / rigid.energy[3]).log10();
+        let expected_db = rigid.reflections.len() as f64 * 10.0 * 0.25_f64.log10();
+        assert!((lost_db - expected_db).abs() < 1e-6, "{lost_db} dB");
+    }
 }

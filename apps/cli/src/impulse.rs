@@ -78,7 +78,7 @@ pub struct Arguments {
     /// Maximum number of reflections of exact paths [default: 8 if all surfaces are flat, otherwise 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,
-    /// Let the direct sound bend around obstacles; reflections and late arrivals do not bend yet
+    /// Let the direct sound and reflections at plane faces bend around obstacles; late arrivals do not bend
     #[arg(long)]
     diffraction: bool,
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
