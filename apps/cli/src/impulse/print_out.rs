@@ -175,7 +175,7 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
     PathReport {
         kind: path.kind,
         order: match path.kind {
-            PathKind::Diffracted | PathKind::Transmitted => 0,
+            PathKind::Diffracted | PathKind::Transmitted | PathKind::Added => 0,
             _ => path.path.surfaces.len(),
         },
         surfaces: &path.path.surfaces,
@@ -266,6 +266,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
             PathKind::Direct => "direct".to_owned(),
             PathKind::Diffracted => format!("diffracted around {}", surfaces()),
             PathKind::Transmitted => format!("transmitted through {}", surfaces()),
+            PathKind::Added => "added up to the least level".to_owned(),
             _ => format!("over {}", surfaces()),
         };
         let strength = mean_strength_db(path);
