@@ -1,7 +1,7 @@
 //! The table of keys. The window uses it for its actions and for the help.
 
 use echomarch::tracer::Profile;
-use echomarch_walk::MoveInput;
+use echomarch_walk::{MoveInput, Part};
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 
@@ -30,6 +30,8 @@ pub enum Action {
     Sound(String),
     /// Switch between full listening and the balance.
     Listen,
+    /// Switch a part of the sound in full listening off or on.
+    Part(Part),
     /// Set the material of a surface, which is given by its index from 0. A surface without a material reflects all
     /// energy.
     Material(usize, Option<String>),
@@ -82,6 +84,9 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("Drop a file", "that scene, or that sound"),
             ("V", "full sound, or balance only"),
             ("L", "panning law of the balance"),
+            ("4  5", "diffraction, transmission on or off"),
+            ("6  7", "mirrored paths, late part on or off"),
+            ("8", "least level of a source on or off"),
             ("M  −  +", "mute, softer, louder"),
         ],
     ),
@@ -116,6 +121,11 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
         KeyCode::Digit1 | KeyCode::Numpad1 => Action::Profile(Profile::Thesis),
         KeyCode::Digit2 | KeyCode::Numpad2 => Action::Profile(Profile::March),
         KeyCode::Digit3 | KeyCode::Numpad3 => Action::Profile(Profile::Hybrid),
+        KeyCode::Digit4 | KeyCode::Numpad4 => Action::Part(Part::Diffraction),
+        KeyCode::Digit5 | KeyCode::Numpad5 => Action::Part(Part::Transmission),
+        KeyCode::Digit6 | KeyCode::Numpad6 => Action::Part(Part::Mirrored),
+        KeyCode::Digit7 | KeyCode::Numpad7 => Action::Part(Part::Late),
+        KeyCode::Digit8 | KeyCode::Numpad8 => Action::Part(Part::LeastLevel),
         KeyCode::BracketLeft | KeyCode::PageDown => Action::Waves(-1),
         KeyCode::BracketRight | KeyCode::PageUp => Action::Waves(1),
         KeyCode::Comma => Action::Iterations(-1),
@@ -222,6 +232,25 @@ mod tests {
         assert_eq!(pressed.input().right, 0.0);
         pressed.clear();
         assert!(pressed.input().is_rest() && !pressed.control());
+    }
+
+    /// Protects the keys 4 to 8: each part has one of them, in the order of all parts, and the help lists the keys.
+    #[test]
+    fn each_part_has_a_key() {
+        let keys = [
+            KeyCode::Digit4,
+            KeyCode::Digit5,
+            KeyCode::Digit6,
+            KeyCode::Digit7,
+            KeyCode::Digit8,
+        ];
+        let actions = keys.map(|key| action(key, false));
+        assert_eq!(actions, Part::ALL.map(|part| Some(Action::Part(part))));
+        let listed: Vec<_> = HELP.iter().flat_map(|(_, keys)| keys.iter()).collect();
+        for (part, key) in Part::ALL.into_iter().zip(["4", "5", "6", "7", "8"]) {
+            let line = listed.iter().find(|(keys, _)| keys.contains(key)).unwrap();
+            assert!(line.1.contains(part.name()), "{part:?}: {line:?}");
+        }
     }
 
     /// Protects the keys 1, 2 and 3: the help lists the profiles in the order of these keys.
