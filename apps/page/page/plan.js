@@ -11,6 +11,8 @@ const STYLES = [
 // colours.
 const KINDS = { direct: "#f5f5f5", mirrored: "#f0e442", diffracted: "#f064c8", transmitted: "#968cff" };
 const EXACT_WIDTH = 1.6;
+// Opacity of the paths of waves beside exact paths.
+const BESIDE_EXACT = 0.35;
 
 // Maximum height of the plan, in CSS pixels.
 const MOST_HEIGHT = 250;
@@ -46,7 +48,9 @@ export class Plan {
     const to = this.canvas.getContext("2d");
     to.drawImage(this.image, 0, 0, width, height);
     const at = (x, z) => [(x - left) * scale, (z - top) * scale];
+    to.globalAlpha = paths.length > 0 ? BESIDE_EXACT : 1;
     this.ways(to, ways, at);
+    to.globalAlpha = 1;
     this.paths(to, paths, at);
     this.marks(to, at, scale, listener, radius, sources);
   }

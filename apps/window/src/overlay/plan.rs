@@ -45,10 +45,11 @@ impl Plan {
         };
         if let Some(source) = scene.sources.first().filter(|_| paths) {
             let stub = STUB * size.x;
-            painter.extend(path_shapes(hud.paths, source.position, stub, place));
-        }
-        if let Some(ears) = hud.ears.filter(|_| paths) {
-            painter.extend(exact_shapes(&ears.paths, place));
+            let exact = hud.ears.map_or(&[][..], |ears| &ears.paths);
+            let opacity = if exact.is_empty() { 1.0 } else { BESIDE_EXACT };
+            let start = (source.position, stub);
+            painter.extend(path_shapes(hud.paths, start, opacity, place));
+            painter.extend(exact_shapes(exact, place));
         }
         marks(&painter, scene, scale, place);
         let corner = rect.left_bottom() + Vec2::new(5.0, -2.0);
@@ -85,6 +86,9 @@ const KINDS: [(PathKind, Color32); 4] = [
 
 /// Width of the line of an exact path, in points. The line is wider than those of waves.
 const EXACT_WIDTH: f32 = 1.6;
+
+/// Opacity of the paths of waves beside exact paths.
+const BESIDE_EXACT: f32 = 0.35;
 
 /// Draws one line for each exact path, from its source over its points to the listener. The first paths, which are not
 /// mirrored, are on top.
@@ -158,11 +162,12 @@ fn radius_of(listener: &Listener, scale: f32) -> f32 {
     (scale * listener.radius).max(3.0)
 }
 
-/// Draws one line for each wave; waves that reached the listener are drawn on top.
+/// Draws one line for each wave; waves that reached the listener are drawn on top. The waves start at the source, and
+/// the line of a dead wave ends after `stub` metres.
 fn path_shapes(
     states: &[Vec<Wave>],
-    source: Vec3,
-    stub: f32,
+    (source, stub): (Vec3, f32),
+    opacity: f32,
     place: impl Fn(Vec3) -> Pos2,
 ) -> Vec<Shape> {
     let waves = states.first().map_or(0, Vec::len);
@@ -180,6 +185,7 @@ fn path_shapes(
     ];
     let mut shapes = Vec::new();
     for (fate, colour, width) in styles {
+        let colour = colour.gamma_multiply(opacity);
         let is_drawn_so = |of: &Fate| match of {
             // Waves with values that are not finite are drawn as dead waves.
             Fate::NotFinite => fate == Fate::Dead,
