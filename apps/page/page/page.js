@@ -454,7 +454,8 @@ async function begin() {
   canvas.focus();
   requestAnimationFrame(loop);
   // Access for tests and for the browser's console.
-  window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels, address };
+  window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels,
+    paths: () => listening.paths, address };
 }
 
 begin().catch((error) => messages.say("page", `The page cannot start: ${error.message}`));
