@@ -250,7 +250,7 @@ mod tests {
                 .iter()
                 .all(|key| keys.contains(key))
         };
-        assert!(listed.any(|line| is_line(line)));
+        assert!(listed.any(is_line));
     }
 
     /// Protects the keys 1, 2 and 3: the help lists the profiles in the order of these keys.
