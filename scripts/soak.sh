@@ -74,7 +74,7 @@ xdotool windowfocus --sync "$window"
 
 # Keys that are held, keys that are pressed once, clicks and moves; not Ctrl+Q.
 held=(w a s d q e Left Right Up Down)
-once=(1 2 3 f p n l m t h F1 Tab BackSpace Escape F5 bracketleft bracketright comma period
+once=(1 2 3 4 5 6 7 8 f p n l m t h F1 Tab BackSpace Escape F5 bracketleft bracketright comma period
     minus equal)
 RANDOM="$seed"
 while kill -0 "$demo" 2>/dev/null; do

@@ -45,9 +45,11 @@ mod echogram;
 mod error;
 mod exact_paths;
 mod figures;
+mod heard_source;
 mod hidden;
 mod impulse_response;
 mod late;
+mod least_level;
 mod settings;
 mod source_sound;
 #[cfg(test)]
@@ -62,10 +64,11 @@ pub use error::ResponseError;
 pub(crate) use error::check_taps;
 pub use figures::{BandFigures, Figures};
 pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
+pub use heard_source::{HeardKind, HeardSource};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};
 pub use settings::ResponseSettings;
-pub use source_sound::{HeardPath, HeardSource, Level, PathKind};
+pub use source_sound::{HeardPath, Level, PathKind};
 
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -224,7 +227,7 @@ impl Response {
         let further =
             late::further_arrival(tracer, heard_in, settings, &how, &echogram, travel_on)?;
         let figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
-        Ok(Response {
+        let mut response = Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,
             left_out_share: left_out_share(&part, &medium, &paths, &echogram),
@@ -236,7 +239,11 @@ impl Response {
             followed_s,
             counts,
             milliseconds: began.elapsed().as_secs_f64() * 1e3,
-        })
+        };
+        if let Some(least_db) = settings.least_level_db {
+            least_level::raise(&mut response, pair, &medium, least_db);
+        }
+        Ok(response)
     }
 
     /// The direct sound; `None` if it is obstructed.

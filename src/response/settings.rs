@@ -44,6 +44,13 @@ pub struct ResponseSettings {
     /// Whether sound passes through solids whose materials transmit sound, in a straight line to the listener and in
     /// the late part: true by default. The profile `thesis` has no transmission.
     pub transmission: bool,
+    /// The least level of a source at its listener in decibels, relative to the level that its direct sound would have
+    /// in the open at the same distance: −100 to 0, or `None` (the default). If everything heard from the source is
+    /// quieter in a band, a path of the kind [`PathKind::Added`](super::PathKind::Added) adds the missing energy. This
+    /// is a floor for games, so that a hidden source does not vanish. It is not a model of sound. The figures do not
+    /// contain the added energy.
+    #[serde(serialize_with = "finite")]
+    pub least_level_db: Option<f64>,
 }
 
 /// The fields of [`ResponseSettings`], all of them optional.
@@ -59,6 +66,7 @@ struct SettingsFile {
     batches: usize,
     diffraction: bool,
     transmission: bool,
+    least_level_db: Option<f64>,
 }
 
 impl Default for SettingsFile {
@@ -73,6 +81,7 @@ impl Default for SettingsFile {
             batches,
             diffraction,
             transmission,
+            least_level_db,
         } = ResponseSettings::default();
         SettingsFile {
             trace,
@@ -84,6 +93,7 @@ impl Default for SettingsFile {
             batches,
             diffraction,
             transmission,
+            least_level_db,
         }
     }
 }
@@ -102,6 +112,7 @@ impl TryFrom<SettingsFile> for ResponseSettings {
             batches: file.batches,
             diffraction: file.diffraction,
             transmission: file.transmission,
+            least_level_db: file.least_level_db,
         };
         settings.validate()?;
         Ok(settings)
@@ -128,11 +139,16 @@ impl Default for ResponseSettings {
             batches: 16,
             diffraction: false,
             transmission: true,
+            least_level_db: None,
         }
     }
 }
 
 impl ResponseSettings {
+    /// Lower limit of [`ResponseSettings::least_level_db`], in decibels. A level this far below the direct sound is
+    /// inaudible.
+    pub const LOWEST_LEAST_LEVEL_DB: f64 = -100.0;
+
     /// Upper limit of the order of exact paths: the number of paths grows with the cube of the order, and waves find a
     /// decreasing share of them.
     pub const MAX_ORDER: u32 = 16;
@@ -190,6 +206,14 @@ impl ResponseSettings {
     #[must_use]
     pub fn with_transmission(mut self, transmission: bool) -> ResponseSettings {
         self.transmission = transmission;
+        self
+    }
+
+    /// Sets the least level of a source at its listener in decibels, relative to its direct sound in the open at the
+    /// same distance.
+    #[must_use]
+    pub fn with_least_level(mut self, decibels: f64) -> ResponseSettings {
+        self.least_level_db = Some(decibels);
         self
     }
 
@@ -252,6 +276,13 @@ impl ResponseSettings {
             let must = format!("above 0, at most {} seconds", ImpulseSettings::MAX_SECONDS);
             return Err(bad("longest record", must, longest_s));
         }
+        if let Some(least_db) = self.least_level_db {
+            let lowest_db = ResponseSettings::LOWEST_LEAST_LEVEL_DB;
+            if !(lowest_db..=0.0).contains(&least_db) {
+                let must = format!("{lowest_db} to 0 decibels");
+                return Err(bad("least level", must, least_db));
+            }
+        }
         if self.late_waves == Some(0) {
             return Err(bad("number of late waves", "1 or more".to_owned(), 0));
         }
@@ -305,6 +336,9 @@ mod tests {
             settings
                 .clone()
                 .with_trace(Settings::default().with_iterations(9)),
+            settings.clone().with_least_level(0.1),
+            settings.clone().with_least_level(-100.1),
+            settings.clone().with_least_level(f64::NAN),
             with_bins(0.0, 16),
             with_bins(f64::NAN, 16),
             with_bins(1e-3, 0),

@@ -126,6 +126,33 @@ pub enum PathKind {
     Diffracted,
     /// In a straight line through solids: the path's points are those at which it enters them.
     Transmitted,
+    /// Along the strongest other path, or in a straight line if there is none. The energy is not computed from the
+    /// scene, but raises the source to the least level ([`ResponseSettings::least_level_db`]).
+    ///
+    /// [`ResponseSettings::least_level_db`]: super::ResponseSettings::least_level_db
+    Added,
+}
+
+impl PathKind {
+    /// All kinds.
+    pub const ALL: [PathKind; 5] = [
+        PathKind::Direct,
+        PathKind::Mirrored,
+        PathKind::Diffracted,
+        PathKind::Transmitted,
+        PathKind::Added,
+    ];
+
+    /// The name of the kind in lower case, as serialised.
+    pub fn name(self) -> &'static str {
+        match self {
+            PathKind::Direct => "direct",
+            PathKind::Mirrored => "mirrored",
+            PathKind::Diffracted => "diffracted",
+            PathKind::Transmitted => "transmitted",
+            PathKind::Added => "added",
+        }
+    }
 }
 
 /// An exact path from source to listener, and the sound along it.
@@ -181,29 +208,6 @@ pub(super) fn comes_from(listener: &Listener, towards: DVec3) -> (f64, f64) {
         along(listener.forward()),
     );
     (right.atan2(ahead), up.atan2(right.hypot(ahead)))
-}
-
-/// A summary of the sound of one source at the listener.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct HeardSource {
-    /// The strength *G* of all arrivals, averaged over the bands, in decibels; `None` without arrivals.
-    pub level_db: Option<f64>,
-    /// Number of exact paths.
-    pub paths: usize,
-    /// Whether the direct sound is among the exact paths.
-    pub is_direct: bool,
-}
-
-impl HeardSource {
-    /// Summarises a response.
-    pub fn of(response: &Response) -> HeardSource {
-        HeardSource {
-            level_db: Figures::strength_db(bands::mean(&response.energy())),
-            paths: response.paths.len(),
-            is_direct: response.direct().is_some(),
-        }
-    }
 }
 
 /// A summary of a source's sound at the listener: level, delay and mean direction.

@@ -7,6 +7,7 @@ mod asynchronous_frames;
 mod curved_responses;
 mod directivity;
 mod gpu_contexts;
+mod least_level;
 mod options;
 mod pairs;
 mod panning;

@@ -2,7 +2,10 @@
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, FrameRateOption, LawOption, TraceOptions, check_ending, check_range};
+use super::options::{
+    Common, DiffractionOption, FrameRateOption, LawOption, LeastLevelOption, TraceOptions,
+    check_ending, check_range,
+};
 use super::print;
 use super::scene::SceneArguments;
 use anyhow::bail;
@@ -13,7 +16,7 @@ use echomarch::auralisation::Listen;
 use echomarch::gl::Api;
 use echomarch::internals::file_output::check_file;
 use echomarch_lab::text;
-use echomarch_window::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};
+use echomarch_window::{DemoError, DemoOptions, OPENING_SCENE, Parts, Report, run as run_demo};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -58,6 +61,10 @@ struct SoundOptions {
     /// thesis) [default: full; balance with --profile thesis and with --law]
     #[arg(long, value_name = "WHAT")]
     listen: Option<Listen>,
+    #[command(flatten)]
+    diffraction: DiffractionOption,
+    #[command(flatten)]
+    least_level: LeastLevelOption,
     #[command(flatten)]
     law: LawOption,
     /// Name or id of the sound device, as listed by --list-devices
@@ -121,6 +128,15 @@ struct WindowOptions {
     /// Write a line of JSON for every frame to standard error
     #[arg(long, hide = true)]
     log_frames: bool,
+}
+
+impl SoundOptions {
+    /// The parts of the sound in full listening.
+    fn parts(&self) -> Result<Parts, BadInput> {
+        let mut parts = Parts::default().with_least_level(self.least_level.checked()?);
+        parts.diffraction = self.diffraction.diffraction;
+        Ok(parts)
+    }
 }
 
 /// Runs the subcommand.
@@ -190,6 +206,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         sound: sound.sound.clone(),
         volume: sound.volume,
         listen: sound.listen.or(sound.law.law.map(|_| Listen::Balance)),
+        parts: sound.parts()?,
         law: sound.law.law,
         device: sound.device.clone(),
         buffer: sound.buffer,

@@ -9,7 +9,7 @@ mod print_out;
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
-use super::options::{Common, check_ending, check_range};
+use super::options::{Common, DiffractionOption, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
 use clap::{Args, ValueEnum};
@@ -78,9 +78,8 @@ pub struct Arguments {
     /// Maximum number of reflections of exact paths [default: 8 if all surfaces are flat, otherwise 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,
-    /// Let the direct sound and reflections at plane faces bend around obstacles; late arrivals do not bend
-    #[arg(long)]
-    diffraction: bool,
+    #[command(flatten)]
+    diffraction: DiffractionOption,
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     profile: Profile,
@@ -149,7 +148,7 @@ impl Arguments {
         let mut settings = ResponseSettings::default().with_trace(trace);
         settings.order = self.order;
         settings.seconds = self.seconds;
-        settings.diffraction = self.diffraction;
+        settings.diffraction = self.diffraction.diffraction;
         settings.validate()?;
         Ok(settings)
     }

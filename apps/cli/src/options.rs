@@ -7,6 +7,7 @@ use clap::Args;
 use echomarch::Error;
 use echomarch::audio::PanningLaw;
 use echomarch::gl::{Api, Context, ContextOptions};
+use echomarch::response::ResponseSettings;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Algorithm, Budget, Directions, Profile, Settings, Tracer};
 use std::path::Path;
@@ -85,6 +86,34 @@ impl LawOption {
     /// The requested law, or the profile's default.
     pub fn of(self, profile: Profile) -> PanningLaw {
         self.law.unwrap_or(PanningLaw::for_profile(profile))
+    }
+}
+
+/// Diffraction in responses.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct DiffractionOption {
+    /// Let the direct sound and reflections at plane faces bend around obstacles; late arrivals do not bend
+    #[arg(long)]
+    pub diffraction: bool,
+}
+
+/// Least level of a source.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct LeastLevelOption {
+    /// Least level of a source, −100 to 0: everything heard from it is at least as loud in each band as its direct
+    /// sound in the open, plus this level. A floor for games, not physics [default: none]
+    #[arg(long = "least-level", allow_negative_numbers = true, value_name = "DB", value_parser = real::<f64>)]
+    pub least_level_db: Option<f64>,
+}
+
+impl LeastLevelOption {
+    /// Returns the requested level, if any.
+    pub fn checked(self) -> Result<Option<f64>, BadInput> {
+        if let Some(level_db) = self.least_level_db {
+            let lowest_db = ResponseSettings::LOWEST_LEAST_LEVEL_DB;
+            check_range("--least-level", level_db, lowest_db, 0.0)?;
+        }
+        Ok(self.least_level_db)
     }
 }
 

@@ -5,7 +5,9 @@ mod levels;
 use super::exit::BadInput;
 use super::impulse::pairs::first;
 use super::numbers::{count, real};
-use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
+use super::options::{
+    Common, DiffractionOption, LawOption, TraceOptions, check_ending, check_range,
+};
 use super::print;
 use super::scene::SceneAtTime;
 use clap::Args;
@@ -56,6 +58,8 @@ pub struct Arguments {
     /// number of waves, which takes about a hundred times as long as a frame
     #[arg(long, conflicts_with = "watch")]
     levels: bool,
+    #[command(flatten)]
+    diffraction: DiffractionOption,
     /// Trace again whenever the scene file or a file that it names changes, until Ctrl-C
     #[arg(long, conflicts_with = "time")]
     watch: bool,
@@ -92,8 +96,10 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         check_ending(path, "csv")?;
     }
     if arguments.levels {
-        let how = ResponseSettings::default().with_trace_of_frames(&settings);
-        how.validate()?;
+        arguments.response_settings(&settings).validate()?;
+    } else if arguments.diffraction.diffraction {
+        let text = "--diffraction needs --levels: a frame of waves has no diffraction";
+        return Err(BadInput(text.to_owned()).into());
     }
     if arguments.watch {
         return watch(arguments, common, &settings);
@@ -105,6 +111,15 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     arguments.options.note_passes(common, &scene, &settings);
     common.warn_checked(&scene);
     trace(arguments, common, &mut tracer, &scene, &settings)
+}
+
+impl Arguments {
+    /// The settings of the responses of `--levels`.
+    fn response_settings(&self, settings: &Settings) -> ResponseSettings {
+        ResponseSettings::default()
+            .with_trace_of_frames(settings)
+            .with_diffraction(self.diffraction.diffraction)
+    }
 }
 
 /// Checks the output file. This function must be called after the scene was read, because only then are all its files
@@ -182,7 +197,11 @@ fn trace(
         ));
     }
     let levels = match arguments.levels {
-        true => Some(levels::heard(tracer, scene, settings)?),
+        true => Some(levels::heard(
+            tracer,
+            scene,
+            &arguments.response_settings(settings),
+        )?),
         false => None,
     };
     let renderer = tracer.context().renderer();

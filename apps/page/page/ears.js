@@ -90,14 +90,15 @@ function look() {
 
 // Traces each source and sends the changes to the mix. Returns the number of changed sources.
 function hear() {
-  const { names, values, seconds, listener, source, profile, waves } = latest;
+  const { names, values, seconds, listener, source, profile, waves, parts } = latest;
+  ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
   const all = ears.hear(names, values, seconds, listener, source, profile, waves);
   for (const heard of all) {
     tell(heard);
   }
   if (all.length > 0) {
     const [trace, late] = ears.milliseconds();
-    postMessage({ sources: Array.from(ears.sources()), trace, late });
+    postMessage({ sources: Array.from(ears.sources()), texts: ears.source_texts(), paths: ears.paths(), trace, late });
   }
   return all.length;
 }

@@ -3,7 +3,9 @@
 // Defaults of the settings that a link omits.
 export const usual = {
   scene: "open-pillars", profile: "hybrid", waves: 65536, iterations: 8, listen: "full", sound: "speech",
-  volume: 0.5, text: null, listener: null, source: null, values: {},
+  volume: 0.5, least: "off",
+  parts: { diffraction: false, transmission: true, mirrored: true, late: true },
+  text: null, listener: null, source: null, values: {},
 };
 
 // The allowed range of each number.
@@ -15,6 +17,9 @@ export const LIMITS = {
 
 // How many numbers a position has: x, y, z, and for the listener also the yaw and pitch of the gaze.
 const PLACES = { listener: 5, source: 3 };
+
+// The values of a switch.
+const SWITCHED = ["off", "on"];
 
 // Prefix of the names of values.
 const VALUE = "value.";
@@ -39,7 +44,7 @@ function isNumber(value) {
 // Reads a link. `choices` has the allowed names of each setting. `wrong` in the result has a sentence for each invalid
 // entry of the link. The setting of an invalid entry gets its default.
 export function read(fragment, choices) {
-  const settings = { ...usual, values: {} };
+  const settings = { ...usual, parts: { ...usual.parts }, values: {} };
   const wrong = [];
   for (const [name, value] of new URLSearchParams(fragment.replace(/^#/, ""))) {
     const why = set(settings, name, value, choices);
@@ -57,6 +62,11 @@ function set(settings, name, value, choices) {
   if (Object.hasOwn(choices, name)) {
     if (!choices[name].includes(value)) return `there is no ${name} "${value}": ${usual[name]} is used`;
     settings[name] = value;
+    return "";
+  }
+  if (Object.hasOwn(usual.parts, name)) {
+    if (!SWITCHED.includes(value)) return `${name} has to be on or off, not "${value}": it is ignored`;
+    settings.parts[name] = value === "on";
     return "";
   }
   if (Object.hasOwn(LIMITS, name)) {
@@ -87,8 +97,11 @@ function short(numbers) {
 // Returns the link for these settings.
 export function write(settings) {
   const said = new URLSearchParams();
-  for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume"]) {
+  for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume", "least"]) {
     said.set(name, settings[name]);
+  }
+  for (const [name, isOn] of Object.entries(settings.parts)) {
+    said.set(name, SWITCHED[Number(isOn)]);
   }
   for (const [name, value] of Object.entries(settings.values)) {
     said.set(VALUE + name, value);

@@ -8,6 +8,11 @@ const SILENCE_DB = -120;
 
 const $ = (id) => document.getElementById(id);
 
+// The least level of a source in decibels; NaN if it is off.
+function leastOf(choice) {
+  return choice === "off" ? NaN : Number(choice);
+}
+
 export class Listening {
   // Creates the sound for a page (Page) and its choices. Nothing is played yet.
   constructor(page, state, messages) {
@@ -28,8 +33,15 @@ export class Listening {
   // Resets the levels, sources and times.
   forget() {
     this.levels = [SILENCE_DB, SILENCE_DB];
-    this.sources = [];
+    this.forgetSources();
     this.times = { trace: NaN, late: NaN };
+  }
+
+  // Removes what was heard from the sources: three numbers and a text per source, and the exact paths.
+  forgetSources() {
+    this.sources = [];
+    this.texts = [];
+    this.paths = [];
   }
 
   // Whether the choices select full listening.
@@ -41,7 +53,7 @@ export class Listening {
   play(shown) {
     this.shown = shown;
     // The sources belong to the previous scene.
-    this.sources = [];
+    this.forgetSources();
     this.sound?.play(shown.text, shown.name, this.state.sound);
   }
 
@@ -58,7 +70,8 @@ export class Listening {
     const listener = page.listener();
     const sources = page.sources();
     const values = page.values();
-    const now = [this.sound.playing, listener, sources, values, this.state.profile, this.state.waves].join();
+    const now = [this.sound.playing, listener, sources, values, this.state.profile, this.state.waves,
+      JSON.stringify(this.state.parts), this.state.least].join();
     if (now === this.stood) return;
     this.stood = now;
     this.sound.stand({
@@ -69,6 +82,7 @@ export class Listening {
       source: sources.slice(0, 3),
       profile: this.state.profile,
       waves: this.state.waves,
+      parts: { ...this.state.parts, least: leastOf(this.state.least) },
     });
   }
 
@@ -114,6 +128,8 @@ export class Listening {
     }
     if (data.sources) {
       this.sources = data.sources;
+      this.texts = data.texts;
+      this.paths = data.paths;
       this.times = { trace: data.trace, late: data.late };
     }
   }
@@ -123,7 +139,7 @@ export class Listening {
   fail(part, why) {
     if (part === "ears") {
       this.hasEars = false;
-      this.sources = [];
+      this.forgetSources();
       this.messages.say("ears", `Only the balance can be heard, without full listening: ${why}.`);
       this.showListen();
       this.hear();

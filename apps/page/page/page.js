@@ -1,6 +1,6 @@
 // The page: a walk through a scene, its sound, and the choices.
 
-import init, { Page, scene_text, scenes } from "./pkg/echomarch_browser.js";
+import init, { Page, path_kinds, scene_text, scenes } from "./pkg/echomarch_browser.js";
 import { listenTo } from "./keys.js";
 import * as link from "./link.js";
 import { Listening } from "./listening.js";
@@ -29,6 +29,8 @@ const LINKED_MS = 500;
 const AGAIN_MS = 500;
 // The numbers of waves to choose from.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
+// The least level that the key 8 switches on, in decibels.
+const LEAST = "-30";
 // The first words of a Rust panic message. After a panic the program's state is undefined.
 const PANICKED = "panicked at";
 
@@ -45,6 +47,8 @@ const state = {
   listen: link.usual.listen,
   sound: link.usual.sound,
   volume: link.usual.volume,
+  least: link.usual.least,
+  parts: { ...link.usual.parts },
   text: null,
   values: {},
 };
@@ -135,6 +139,14 @@ function showSettings() {
   $("iterations").value = state.iterations;
 }
 
+// Shows the parts of the sound that are heard, and the least level.
+function showParts() {
+  for (const [name, isOn] of Object.entries(state.parts)) {
+    $(name).checked = isOn;
+  }
+  $("least").value = state.least;
+}
+
 function chooseSettings() {
   messages.say("link", "");
   trace({
@@ -168,7 +180,7 @@ function namesOf(list) {
 // Applies all settings of a link, and restarts the walk.
 function follow(fragment) {
   const choices = {};
-  for (const list of ["scene", "profile", "listen", "sound"]) {
+  for (const list of ["scene", "profile", "listen", "sound", "least"]) {
     choices[list] = namesOf(list);
   }
   const { settings, wrong } = link.read(fragment, choices);
@@ -178,6 +190,9 @@ function follow(fragment) {
   state.listen = settings.listen;
   state.sound = settings.sound;
   state.volume = settings.volume;
+  state.least = settings.least;
+  state.parts = settings.parts;
+  showParts();
   $("scene").value = state.scene;
   $("sound").value = state.sound;
   $("volume").value = state.volume;
@@ -292,7 +307,8 @@ function resize() {
 
 function drawPlan() {
   const seen = page.plan();
-  plan.draw(seen, page.ways(), page.listener(), page.radius(), page.sources());
+  const paths = listening.isFull() ? listening.paths : [];
+  plan.draw(seen, page.ways(), paths, page.listener(), page.radius(), page.sources());
   seen.free();
 }
 
@@ -309,7 +325,8 @@ function show() {
   const frame = page.frame();
   showFrame(frame);
   showLevels(listening.levels);
-  showSources(listening.isFull() ? listening.sources : []);
+  const isFull = listening.isFull();
+  showSources(isFull ? listening.sources : [], isFull ? listening.texts : []);
   const { trace, late } = listening.times;
   showTimes({ ...spent, between, frame: frame[6], ears: trace, late, gaps: listening.gaps });
   const share = Math.round(100 * SCALES[scale]);
@@ -359,6 +376,14 @@ function connect() {
     state.volume = Number(event.target.value);
     listening.hear();
   };
+  for (const name of Object.keys(state.parts)) {
+    $(name).onchange = (event) => {
+      state.parts[name] = event.target.checked;
+    };
+  }
+  $("least").onchange = (event) => {
+    state.least = event.target.value;
+  };
   $("play").onclick = () => listening.playOrStop();
   let waiting = 0;
   $("text").oninput = () => {
@@ -388,6 +413,11 @@ const asked = {
   KeyV: () => {
     if (listening.hasEars) choose("listen", state.listen === "full" ? "balance" : "full");
   },
+  Digit4: () => $("diffraction").click(),
+  Digit5: () => $("transmission").click(),
+  Digit6: () => $("mirrored").click(),
+  Digit7: () => $("late").click(),
+  Digit8: () => choose("least", state.least === "off" ? LEAST : "off"),
   Digit1: () => choose("profile", "thesis"),
   Digit2: () => choose("profile", "march"),
   Digit3: () => choose("profile", "hybrid"),
@@ -416,7 +446,7 @@ async function begin() {
   page = new Page(gl, builtIn(), state.scene);
   listening = new Listening(page, state, messages);
   listening.play({ text: builtIn(), name: state.scene });
-  plan = new Plan($("plan"));
+  plan = new Plan($("plan"), path_kinds());
   keys = listenTo(canvas, asked, (right, up) => page.look(right, up));
   connect();
   $("renderer").textContent = page.renderer();
@@ -424,7 +454,8 @@ async function begin() {
   canvas.focus();
   requestAnimationFrame(loop);
   // Access for tests and for the browser's console.
-  window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels, address };
+  window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels,
+    paths: () => listening.paths, address };
 }
 
 begin().catch((error) => messages.say("page", `The page cannot start: ${error.message}`));

@@ -23,8 +23,9 @@ export function showLevels(levels) {
   $("right").value = levels[1];
 }
 
-// Shows the sources of full listening: three numbers per source, as EarsOfPage.sources returns them.
-export function showSources(sources) {
+// Shows the sources of full listening: three numbers per source, as EarsOfPage.sources returns them, and the paths by
+// kind, as EarsOfPage.source_texts returns them.
+export function showSources(sources, texts) {
   const told = [];
   for (let i = 0; i < sources.length; i += 3) {
     const [level, paths, direct] = sources.slice(i, i + 3);
@@ -35,6 +36,7 @@ export function showSources(sources) {
     }
   }
   $("full").textContent = told.join("; ") || "–";
+  $("kinds").textContent = texts.join("; ") || "–";
 }
 
 // Shows the durations in milliseconds (between pictures, of a frame of waves, of calls, of the ears), and the number of

@@ -7,17 +7,27 @@ const STYLES = [
   { colour: "#ff802c", width: 1.4 },
 ];
 
+// Colours of the kinds of exact paths, and the width of their lines in CSS pixels. The page's legend has the same
+// colours.
+const KINDS = { direct: "#f5f5f5", mirrored: "#f0e442", diffracted: "#f064c8", transmitted: "#968cff" };
+const EXACT_WIDTH = 1.6;
+// Opacity of the paths of waves beside exact paths.
+const BESIDE_EXACT = 0.35;
+
 // Maximum height of the plan, in CSS pixels.
 const MOST_HEIGHT = 250;
 
 export class Plan {
-  constructor(canvas) {
+  // `kinds` are the names of the kinds of exact paths, as path_kinds returns them.
+  constructor(canvas, kinds) {
     this.canvas = canvas;
+    this.kinds = kinds;
     this.image = document.createElement("canvas");
   }
 
-  // Draws the plan. `plan` is a PlanOfPage; `ways` is the array of numbers that Page.ways returns.
-  draw(plan, ways, listener, radius, sources) {
+  // Draws the plan. `plan` is a PlanOfPage; `ways` and `paths` are the arrays of numbers that Page.ways and
+  // EarsOfPage.paths return.
+  draw(plan, ways, paths, listener, radius, sources) {
     if (plan.rgba.length) {
       this.image.width = plan.width;
       this.image.height = plan.height;
@@ -38,7 +48,10 @@ export class Plan {
     const to = this.canvas.getContext("2d");
     to.drawImage(this.image, 0, 0, width, height);
     const at = (x, z) => [(x - left) * scale, (z - top) * scale];
+    to.globalAlpha = paths.length > 0 ? BESIDE_EXACT : 1;
     this.ways(to, ways, at);
+    to.globalAlpha = 1;
+    this.paths(to, paths, at);
     this.marks(to, at, scale, listener, radius, sources);
   }
 
@@ -46,17 +59,32 @@ export class Plan {
     for (const fate of [0, 1, 2]) {
       to.strokeStyle = STYLES[fate].colour;
       to.lineWidth = STYLES[fate].width * devicePixelRatio;
-      for (let i = 0; i < ways.length; ) {
-        const of = ways[i];
-        const points = ways[i + 1];
-        i += 2;
-        if (of === fate) {
-          to.beginPath();
-          for (let p = 0; p < points; p++) to.lineTo(...at(ways[i + 2 * p], ways[i + 2 * p + 1]));
-          to.stroke();
-        }
-        i += 2 * points;
+      this.lines(to, ways, at, (of) => of === fate);
+    }
+  }
+
+  // Draws the exact paths: mirrored paths first, the others on top.
+  paths(to, paths, at) {
+    to.lineWidth = EXACT_WIDTH * devicePixelRatio;
+    for (const name of ["mirrored", "direct", "transmitted", "diffracted"]) {
+      to.strokeStyle = KINDS[name];
+      this.lines(to, paths, at, (kind) => this.kinds[kind] === name);
+    }
+  }
+
+  // Draws lines from an array of numbers: for each line its class, the number of points, and the x and z of each point.
+  // `isDrawn` selects classes.
+  lines(to, numbers, at, isDrawn) {
+    for (let i = 0; i < numbers.length; ) {
+      const of = numbers[i];
+      const points = numbers[i + 1];
+      i += 2;
+      if (isDrawn(of)) {
+        to.beginPath();
+        for (let p = 0; p < points; p++) to.lineTo(...at(numbers[i + 2 * p], numbers[i + 2 * p + 1]));
+        to.stroke();
       }
+      i += 2 * points;
     }
   }
 

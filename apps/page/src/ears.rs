@@ -4,7 +4,8 @@ use crate::{scene, settings, thrown};
 use echomarch::Scene;
 use echomarch::gl::Context;
 use echomarch::glam::Vec3;
-use echomarch_walk::{Ears, HeardMessage, WalkState, Walker};
+use echomarch::response::PathKind;
+use echomarch_walk::{Ears, HeardMessage, Parts, WalkState, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
@@ -12,6 +13,7 @@ use web_sys::WebGl2RenderingContext;
 #[wasm_bindgen]
 pub struct EarsOfPage {
     ears: Ears,
+    parts: Parts,
     base: Option<Scene>,
     is_new_mix: bool,
     rate_hz: u32,
@@ -31,6 +33,7 @@ impl EarsOfPage {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
         Ok(EarsOfPage {
             ears: Ears::new(&context).map_err(thrown)?,
+            parts: Parts::default(),
             base: None,
             is_new_mix: true,
             rate_hz,
@@ -42,6 +45,23 @@ impl EarsOfPage {
         self.base = Some(scene(text, name)?);
         self.is_new_mix = true;
         Ok(())
+    }
+
+    /// Sets the parts of the sound that are heard, and the least level of a source in decibels; NaN for none.
+    pub fn set_parts(
+        &mut self,
+        diffraction: bool,
+        transmission: bool,
+        mirrored: bool,
+        late: bool,
+        least_level_db: f64,
+    ) {
+        let least_level_db = Some(least_level_db).filter(|level| !level.is_nan());
+        self.parts = self.parts.with_least_level(least_level_db);
+        self.parts.diffraction = diffraction;
+        self.parts.transmission = transmission;
+        self.parts.mirrored = mirrored;
+        self.parts.late = late;
     }
 
     /// Traces each source in the given state of the scene. The state has the named values, the time along the paths in
@@ -71,7 +91,13 @@ impl EarsOfPage {
         let settings = settings(profile, waves, 1)?;
         let heard = self
             .ears
-            .hear(&scene, &settings, self.rate_hz, self.is_new_mix)
+            .hear(
+                &scene,
+                &settings,
+                &self.parts,
+                self.rate_hz,
+                self.is_new_mix,
+            )
             .map_err(thrown)?;
         self.is_new_mix = false;
         Ok(heard
@@ -89,6 +115,26 @@ impl EarsOfPage {
             [level, source.paths as f64, direct]
         };
         self.ears.sources().iter().flat_map(numbers).collect()
+    }
+
+    /// For each source in the last call of `hear`: the paths by kind and the late part, with their levels, as text.
+    pub fn source_texts(&self) -> Vec<String> {
+        let sources = self.ears.sources().iter();
+        sources.map(ToString::to_string).collect()
+    }
+
+    /// The exact paths of the last call of `hear` for the plan, one after the other. Each has the index of its kind in
+    /// `path_kinds`, the number of points, and the x and z of each point.
+    pub fn paths(&self) -> Vec<f32> {
+        let mut numbers = Vec::new();
+        for path in self.ears.paths() {
+            let Some(kind) = PathKind::ALL.iter().position(|kind| *kind == path.kind) else {
+                continue;
+            };
+            numbers.extend([kind as f32, path.points.len() as f32]);
+            numbers.extend(path.points.iter().flat_map(|point| [point.x, point.z]));
+        }
+        numbers
     }
 
     /// Duration of the last trace, and of its late part, in milliseconds.

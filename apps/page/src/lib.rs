@@ -15,6 +15,7 @@ pub use mix::MixOfPage;
 pub use page::{Page, PlanOfPage};
 
 use echomarch::auralisation::Listen;
+use echomarch::response::PathKind;
 use echomarch::{Profile, Scene, Settings};
 use std::fmt::Display;
 use wasm_bindgen::prelude::*;
@@ -23,6 +24,12 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen]
 pub fn scenes() -> Vec<String> {
     Scene::BUILTIN_NAMES.map(str::to_owned).to_vec()
+}
+
+/// The names of the kinds of exact paths.
+#[wasm_bindgen]
+pub fn path_kinds() -> Vec<String> {
+    PathKind::ALL.map(|kind| kind.name().to_owned()).to_vec()
 }
 
 /// The text of a built-in scene.

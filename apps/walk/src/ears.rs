@@ -1,7 +1,9 @@
 //! Full listening for a player that cannot share memory with the tracing code.
 
+use super::drawn_paths::DrawnPath;
 use super::hearing::{EarsStatus, Hearing};
 use super::mix::HeardMessage;
+use super::parts::Parts;
 use echomarch::Error;
 use echomarch::gl::Context;
 use echomarch::response::HeardSource;
@@ -36,10 +38,11 @@ impl Ears {
         &mut self,
         scene: &Scene,
         settings: &Settings,
+        parts: &Parts,
         rate_hz: u32,
         is_new_mix: bool,
     ) -> Result<Vec<HeardMessage>, Error> {
-        if !self.hearing.is_new(scene, settings, is_new_mix) {
+        if !self.hearing.is_new(scene, settings, parts, is_new_mix) {
             return Ok(Vec::new());
         }
         let mut messages = Vec::new();
@@ -47,13 +50,20 @@ impl Ears {
             messages.push(HeardMessage::new(scene, &found, rate_hz)?);
             Ok(())
         };
-        self.status = self.hearing.look(scene, settings, is_new_mix, tell)?;
+        self.status = self
+            .hearing
+            .look(scene, settings, parts, is_new_mix, tell)?;
         Ok(messages)
     }
 
     /// The level of each source in the last trace.
     pub fn sources(&self) -> &[HeardSource] {
         &self.status.sources
+    }
+
+    /// The paths of the last trace to draw in the plan.
+    pub fn paths(&self) -> &[DrawnPath] {
+        &self.status.paths
     }
 
     /// Duration of the last trace, and of its late part, in milliseconds.
@@ -80,7 +90,9 @@ mod tests {
         assert!(left.sources[0].position.x < left.listeners[0].position.x);
         let settings = Settings::default().with_waves(4096);
         let mut ears = Ears::new(&context).unwrap();
-        let messages = ears.hear(&left, &settings, RATE_HZ, true).unwrap();
+        let messages = ears
+            .hear(&left, &settings, &Parts::default(), RATE_HZ, true)
+            .unwrap();
         assert!(messages[0].late.is_some());
         let noise = SoundSpec::Noise { seed: 3 };
         let mut mix = Mix::new(&left, &noise, RATE_HZ).unwrap();
@@ -95,7 +107,10 @@ mod tests {
         };
         assert!(level(0) > 4.0 * level(1), "{} {}", level(0), level(1));
         // On a slow machine another late part may become due, each time with twice the number of waves.
-        let mut again = (0..16).map(|_| ears.hear(&left, &settings, RATE_HZ, false).unwrap());
+        let mut again = (0..16).map(|_| {
+            ears.hear(&left, &settings, &Parts::default(), RATE_HZ, false)
+                .unwrap()
+        });
         assert!(again.any(|messages| messages.is_empty()));
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! The echoes of one trace glide to the echoes of the next. The late part is computed at most four times per second.
 
+use super::drawn_paths::{self, DrawnPath};
+use super::parts::Parts;
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
 use echomarch::internals::shader::is_marched;
@@ -9,6 +11,7 @@ use echomarch::response::{HeardSource, ListenerAxes, Response, ResponseSettings}
 use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, Tracer};
 use echomarch::{Error, bands};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Maximum number of waves of a response. More are not needed: the echoes are exact, and the late part is replaced
@@ -64,7 +67,7 @@ pub const QUIETEST_DB: f64 = -80.0;
 /// Number of points of the energy curve.
 const CURVE_POINTS: usize = 120;
 
-/// The results of a trace. The curve and the error are not serialised.
+/// The results of a trace. The curve, the paths and the error are not serialised.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EarsStatus {
     /// The level of each source; empty before the first trace.
@@ -83,6 +86,9 @@ pub struct EarsStatus {
     pub curve: Vec<f32>,
     #[serde(skip)]
     pub curve_s: f64,
+    /// The paths of all sources to draw in the plan. They are shared, because the status is copied for each picture.
+    #[serde(skip)]
+    pub paths: Arc<[DrawnPath]>,
     /// The reason why full listening failed.
     #[serde(skip)]
     pub error: Option<String>,
@@ -94,8 +100,8 @@ const LISTENER: usize = 0;
 /// Traces a scene for full listening, with its own tracer.
 pub struct Hearing {
     tracer: Tracer,
-    /// The scene of the last trace.
-    scene: Option<Scene>,
+    /// The scene of the last trace, and the parts that were heard.
+    scene: Option<(Scene, Parts)>,
     /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
     /// The profile of the last trace.
@@ -151,10 +157,17 @@ impl Hearing {
         })
     }
 
-    /// Whether a new trace is due. A trace is due if the scene has changed since the last trace, if a new player waits,
+    /// Whether a new trace is due. A trace is due if the scene or the choice of parts has changed since the last trace, if a new player waits,
     /// if the late part is missing, or if the last trace had far fewer waves than its time limit allows.
-    pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
-        let is_another = self.scene.as_ref() != Some(scene);
+    pub fn is_new(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        parts: &Parts,
+        is_waited_for: bool,
+    ) -> bool {
+        let is_same = |(last, heard): &(Scene, Parts)| last == scene && heard == parts;
+        let is_another = !self.scene.as_ref().is_some_and(is_same);
         let early = self.early_waves.min(settings.waves);
         let is_rough = self.late_waves >= 2 * self.late_waves_heard
             || early >= 2 * self.early_waves_heard.max(1)
@@ -177,6 +190,7 @@ impl Hearing {
         &mut self,
         scene: &Scene,
         settings: &Settings,
+        parts: &Parts,
         is_waited_for: bool,
         mut tell: impl FnMut(Found) -> Result<(), Error>,
     ) -> Result<EarsStatus, Error> {
@@ -189,6 +203,7 @@ impl Hearing {
         let how = response_settings(settings, self.early_waves)
             .with_seconds(seconds)
             .with_late_waves(self.late_waves);
+        let how = parts.choose(how);
         let tracing = Instant::now();
         let listener = scene.pair(0, LISTENER)?.listener();
         let axes = ListenerAxes::of(listener)?;
@@ -199,11 +214,14 @@ impl Hearing {
             ..EarsStatus::default()
         };
         let mut curve = vec![0.0; CURVE_POINTS];
+        let mut paths = Vec::new();
         let mut on_late = Duration::ZERO;
         for source in 0..scene.sources.len() {
             let pair = scene.pair(source, LISTENER)?;
-            let response = Response::trace(&mut self.tracer, pair, &how)?;
+            let mut response = Response::trace(&mut self.tracer, pair, &how)?;
+            parts.keep(&mut response)?;
             status.sources.push(HeardSource::of(&response));
+            paths.extend(drawn_paths::of_response(pair, &response));
             add_to_curve(&mut curve, &response, seconds);
             let making = Instant::now();
             tell(Found {
@@ -216,6 +234,7 @@ impl Hearing {
             on_late += making.elapsed();
         }
         status.curve = in_decibels(&curve);
+        status.paths = paths.into();
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
         let tracing = tracing.elapsed().saturating_sub(on_late);
@@ -230,13 +249,13 @@ impl Hearing {
         if is_late_due {
             self.last_late = Some(self.last_look);
         }
-        self.scene = Some(scene.clone());
+        self.scene = Some((scene.clone(), *parts));
         Ok(status)
     }
 
     /// Starts another scene or profile with few waves if it has marched surfaces, because the tracing time is unknown.
     fn begin_small(&mut self, scene: &Scene, settings: &Settings) {
-        let last = self.scene.as_ref().map(|last| &last.name);
+        let last = self.scene.as_ref().map(|(last, _)| &last.name);
         if last == Some(&scene.name) && self.profile == Some(settings.profile()) {
             return;
         }
@@ -393,7 +412,7 @@ mod tests {
         let scene = Scene::builtin("corner").unwrap();
         let settings = Settings::hybrid().with_waves(2048);
         let look = |hearing: &mut Hearing, settings: &Settings| {
-            let looked = hearing.look(&scene, settings, true, |_| Ok(()));
+            let looked = hearing.look(&scene, settings, &Parts::default(), true, |_| Ok(()));
             looked.unwrap().waves
         };
         assert_eq!(look(&mut hearing, &settings), 2048);
@@ -401,7 +420,7 @@ mod tests {
         assert_eq!(look(&mut hearing, &march), LEAST_WAVES);
         hearing.early_waves = MOST_WAVES;
         hearing.last_late = None;
-        assert!(hearing.is_new(&scene, &march, false));
+        assert!(hearing.is_new(&scene, &march, &Parts::default(), false));
         assert_eq!(look(&mut hearing, &march), 2048);
     }
 }

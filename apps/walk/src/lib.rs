@@ -6,14 +6,17 @@
 //! | `world`, `walk` | the scene in its current state, the movement of the listener |
 //! | `values` | the named values of the scene |
 //! | `plan`, `paths` | the scene from above, and the paths of waves drawn in it |
-//! | `hearing` | full listening |
+//! | `hearing`, `parts` | full listening, and the parts of it that the user can switch |
+//! | `drawn_paths` | the exact paths of the last trace, drawn in the plan |
 //! | `ears`, `mix` | for the page: full listening as plain numbers, and its mix in blocks of samples |
 //!
 //! No code here uses a window, a clock or a thread. The inputs are a [`MoveInput`] and a time step in seconds.
 
+mod drawn_paths;
 mod ears;
 mod hearing;
 mod mix;
+mod parts;
 mod paths;
 mod plan;
 mod values;
@@ -21,11 +24,13 @@ mod visit;
 mod walk;
 mod world;
 
+pub use drawn_paths::{DRAWN_PER_SOURCE, DrawnPath};
 pub use ears::Ears;
 pub use hearing::{EarsStatus, Found, Hearing, QUIETEST_DB};
 pub use mix::{HeardMessage, Mix};
 #[cfg(feature = "audio")]
 pub use mix::{NOISE_SEED, player};
+pub use parts::{Part, Parts};
 pub use paths::{PATH_ITERATIONS, Paths};
 pub use plan::{Cut, STUB, way};
 pub use values::ValueSlider;

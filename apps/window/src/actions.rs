@@ -6,6 +6,7 @@ use super::save::{free_file, save};
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
 use echomarch::tracer::Profile;
+use echomarch_walk::Part;
 use std::path::{Path, PathBuf};
 
 impl App {
@@ -57,6 +58,7 @@ impl App {
             }
             Action::Sound(_)
             | Action::Listen
+            | Action::Part(_)
             | Action::Law
             | Action::Mute
             | Action::Volume(_)
@@ -82,6 +84,7 @@ impl App {
                 let text = format!("panning law {}", chosen.law());
                 self.say(text);
             }
+            Action::Part(part) => self.switch(part),
             Action::Mute => chosen.muted = !chosen.muted,
             Action::Volume(steps) => {
                 chosen.volume = (chosen.volume + 0.1 * steps as f32).clamp(0.0, 1.0);
@@ -110,6 +113,19 @@ impl App {
             (Listen::Full, _) => "full sound: loudness, echoes, reverberation",
             (Listen::Balance, _) => "only the balance is heard",
         });
+    }
+
+    /// Switches a part of the sound in full listening.
+    fn switch(&mut self, part: Part) {
+        let chosen = &mut self.choices;
+        let switch = chosen.parts.switch(part);
+        *switch = !*switch;
+        let state = if *switch { "on" } else { "off" };
+        let heard = match chosen.listen() {
+            Listen::Full => "",
+            Listen::Balance => ": heard only in full sound (V)",
+        };
+        self.say(format!("{} {state}{heard}", part.name()));
     }
 
     fn pick_up(&mut self) {

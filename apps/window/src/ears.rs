@@ -12,7 +12,7 @@ use echomarch::auralisation::{Heard, PlayerRemote};
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::scene::Scene;
 use echomarch::tracer::Settings;
-use echomarch_walk::{EarsStatus, Found, Hearing};
+use echomarch_walk::{EarsStatus, Found, Hearing, Parts};
 #[cfg(feature = "audio")]
 use echomarch_walk::{NOISE_SEED, player};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -27,10 +27,11 @@ const REST: f64 = 1.0;
 /// Interval between two checks for a new scene or new settings.
 const GLANCE: Duration = Duration::from_millis(4);
 
-/// The scene and the settings to trace.
+/// The scene and the settings to trace, and the parts to hear.
 struct Wanted {
     scene: Scene,
     settings: Settings,
+    parts: Parts,
 }
 
 /// State shared by both threads.
@@ -76,11 +77,12 @@ impl Ears {
         }
     }
 
-    /// Sets the scene and the settings to trace from now on.
-    pub fn hear(&self, scene: &Scene, settings: &Settings) {
+    /// Sets the scene and the settings to trace from now on, and the parts to hear.
+    pub fn hear(&self, scene: &Scene, settings: &Settings, parts: Parts) {
         *lock(&self.shared.wanted) = Some(Wanted {
             scene: scene.clone(),
             settings: settings.clone(),
+            parts,
         });
     }
 
@@ -164,8 +166,12 @@ impl<'a> Looking<'a> {
 
     fn is_new(&self, wanted: &Wanted) -> bool {
         let is_waited_for = self.shared.is_waited_for.load(Relaxed);
-        let Wanted { scene, settings } = wanted;
-        self.hearing.is_new(scene, settings, is_waited_for)
+        let Wanted {
+            scene,
+            settings,
+            parts,
+        } = wanted;
+        self.hearing.is_new(scene, settings, parts, is_waited_for)
     }
 
     /// Traces every source and passes the responses to the player.
@@ -174,7 +180,10 @@ impl<'a> Looking<'a> {
         let (scene, settings) = (&wanted.scene, &wanted.settings);
         let shared = self.shared;
         let tell = |found: Found| tell(shared, &found);
-        let mut status = self.hearing.look(scene, settings, is_waited_for, tell)?;
+        let parts = &wanted.parts;
+        let mut status = self
+            .hearing
+            .look(scene, settings, parts, is_waited_for, tell)?;
         let mut told = lock(&self.shared.status);
         status.looks = told.looks + 1;
         *told = status;

@@ -1,7 +1,7 @@
 //! The table of keys. The window uses it for its actions and for the help.
 
 use echomarch::tracer::Profile;
-use echomarch_walk::MoveInput;
+use echomarch_walk::{MoveInput, Part};
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 
@@ -30,6 +30,8 @@ pub enum Action {
     Sound(String),
     /// Switch between full listening and the balance.
     Listen,
+    /// Switch a part of the sound in full listening off or on.
+    Part(Part),
     /// Set the material of a surface, which is given by its index from 0. A surface without a material reflects all
     /// energy.
     Material(usize, Option<String>),
@@ -62,8 +64,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
     (
         "Walk",
         &[
-            ("W A S D", "walk, run with Shift"),
-            ("Q  E", "down, up"),
+            ("W A S D  Q E", "walk, down, up, run with Shift"),
             ("Arrow keys", "turn and look"),
             ("Click", "look with the mouse; Esc frees it"),
             ("F", "pick up the source, put it down"),
@@ -82,6 +83,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("Drop a file", "that scene, or that sound"),
             ("V", "full sound, or balance only"),
             ("L", "panning law of the balance"),
+            ("4  5  6  7  8", "parts of the full sound off, on"),
             ("M  −  +", "mute, softer, louder"),
         ],
     ),
@@ -116,6 +118,11 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
         KeyCode::Digit1 | KeyCode::Numpad1 => Action::Profile(Profile::Thesis),
         KeyCode::Digit2 | KeyCode::Numpad2 => Action::Profile(Profile::March),
         KeyCode::Digit3 | KeyCode::Numpad3 => Action::Profile(Profile::Hybrid),
+        KeyCode::Digit4 | KeyCode::Numpad4 => Action::Part(Part::Diffraction),
+        KeyCode::Digit5 | KeyCode::Numpad5 => Action::Part(Part::Transmission),
+        KeyCode::Digit6 | KeyCode::Numpad6 => Action::Part(Part::Mirrored),
+        KeyCode::Digit7 | KeyCode::Numpad7 => Action::Part(Part::Late),
+        KeyCode::Digit8 | KeyCode::Numpad8 => Action::Part(Part::LeastLevel),
         KeyCode::BracketLeft | KeyCode::PageDown => Action::Waves(-1),
         KeyCode::BracketRight | KeyCode::PageUp => Action::Waves(1),
         KeyCode::Comma => Action::Iterations(-1),
@@ -222,6 +229,28 @@ mod tests {
         assert_eq!(pressed.input().right, 0.0);
         pressed.clear();
         assert!(pressed.input().is_rest() && !pressed.control());
+    }
+
+    /// Protects the keys 4 to 8: each part has one of them, in the order of all parts. The help lists the keys in one
+    /// line, and the panel has the number of each key before the name of its part.
+    #[test]
+    fn each_part_has_a_key() {
+        let keys = [
+            KeyCode::Digit4,
+            KeyCode::Digit5,
+            KeyCode::Digit6,
+            KeyCode::Digit7,
+            KeyCode::Digit8,
+        ];
+        let actions = keys.map(|key| action(key, false));
+        assert_eq!(actions, Part::ALL.map(|part| Some(Action::Part(part))));
+        let mut listed = HELP.iter().flat_map(|(_, keys)| keys.iter());
+        let is_line = |(keys, _): &(&str, &str)| {
+            ["4", "5", "6", "7", "8"]
+                .iter()
+                .all(|key| keys.contains(key))
+        };
+        assert!(listed.any(is_line));
     }
 
     /// Protects the keys 1, 2 and 3: the help lists the profiles in the order of these keys.

@@ -52,7 +52,7 @@ mod summary;
 mod waves;
 mod window;
 
-pub use echomarch_walk::{BODY, EarsStatus, MoveInput, Walker};
+pub use echomarch_walk::{BODY, EarsStatus, MoveInput, Part, Parts, Walker};
 pub use error::DemoError;
 pub use latency::Parts as Latency;
 pub use options::{DemoOptions, OPENING_SCENE};

@@ -26,7 +26,7 @@ impl App {
             return;
         }
         let scene = &self.world.now;
-        ears.hear(scene, &self.choices.settings);
+        ears.hear(scene, &self.choices.settings, self.choices.parts);
         let wanted = InFull {
             sound: self.choices.sound.clone(),
             sources: scene.sources.len(),

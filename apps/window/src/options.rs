@@ -3,6 +3,7 @@
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
 use echomarch::tracer::Settings;
+use echomarch_walk::Parts;
 use std::path::PathBuf;
 
 /// The default scene. The initial view of this scene shows many near and far objects. (In `corner` and `obstacles` the
@@ -37,6 +38,8 @@ pub struct DemoOptions {
     pub volume: f32,
     /// The listening mode; `None` for the profile's default ([`Listen::for_profile`]).
     pub listen: Option<Listen>,
+    /// The parts of the sound in full listening.
+    pub parts: Parts,
     /// The panning law; `None` for the profile's default ([`PanningLaw::for_profile`]).
     pub law: Option<PanningLaw>,
     /// The sound device's name; `None` for the default device.
@@ -80,6 +83,7 @@ impl Default for DemoOptions {
             sound: "speech".into(),
             volume: 0.5,
             listen: None,
+            parts: Parts::default(),
             law: None,
             device: None,
             buffer: 1024,

@@ -4,6 +4,7 @@ use super::DemoOptions;
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
 use echomarch::tracer::{Profile, Settings};
+use echomarch_walk::Parts;
 use std::collections::HashMap;
 
 /// Properties of the player in full listening. If one of them changes, the player must be replaced.
@@ -54,6 +55,8 @@ pub struct Choices {
     pub muted: bool,
     /// The listening mode chosen by the user, if any.
     pub chosen_listen: Option<Listen>,
+    /// The parts of the sound in full listening that are heard.
+    pub parts: Parts,
     /// The panning law chosen by the user, if any.
     pub chosen_law: Option<PanningLaw>,
     /// Whether the help is open.
@@ -77,6 +80,7 @@ impl Choices {
             volume: options.volume,
             muted: false,
             chosen_listen: options.listen,
+            parts: options.parts,
             chosen_law: options.law,
             help: options.help,
             panels: true,

@@ -267,6 +267,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
             PathKind::Transmitted => {
                 format!("transmitted through {}", surfaces(scene, path).join(", "))
             }
+            PathKind::Added => "added up to the least level".to_owned(),
             _ => format!("over {}", surfaces(scene, path).join(", ")),
         };
         let strength = mean_strength_db(path);

@@ -2,7 +2,7 @@
 
 use super::super::impulse::pairs;
 use super::super::numbers::{count, real, tenths};
-use super::super::options::check_range;
+use super::super::options::{DiffractionOption, LeastLevelOption, check_range};
 use super::super::print;
 use super::{Job, ReportHead, sounds};
 use clap::Args;
@@ -10,7 +10,7 @@ use echomarch::Error;
 use echomarch::audio::{Sound, WavWriter};
 use echomarch::offline::{self, Block, FullSettings};
 use echomarch::response::ImpulseSettings;
-use echomarch::response::{HeardSource, ResponseSettings};
+use echomarch::response::{HeardKind, HeardSource, ResponseSettings};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -37,6 +37,10 @@ pub struct FullOptions {
     /// dB, at most 3]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     tail: Option<f64>,
+    #[command(flatten)]
+    diffraction: DiffractionOption,
+    #[command(flatten)]
+    least_level: LeastLevelOption,
 }
 
 impl FullOptions {
@@ -47,6 +51,8 @@ impl FullOptions {
             (self.listener.is_some(), "--listener"),
             (self.order.is_some(), "--order"),
             (self.tail.is_some(), "--tail"),
+            (self.diffraction.diffraction, "--diffraction"),
+            (self.least_level.least_level_db.is_some(), "--least-level"),
         ];
         let found = typed.into_iter().find(|(is_typed, _)| *is_typed);
         found.map(|(_, name)| name)
@@ -84,6 +90,12 @@ struct SourceLine {
     g_db: Option<f64>,
     paths: usize,
     direct: bool,
+    /// The exact paths by kind, without kinds that are not heard.
+    kinds: Vec<HeardKind>,
+    /// The strength *G* of everything outside the exact paths; `None` if there is nothing else.
+    late_db: Option<f64>,
+    #[serde(skip)]
+    text: String,
 }
 
 /// Renders all sources.
@@ -171,6 +183,8 @@ fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     let mut response = ResponseSettings::default().with_trace_of_frames(&trace);
     response.order = options.order;
     response.seconds = options.tail;
+    response.diffraction = options.diffraction.diffraction;
+    response.least_level_db = options.least_level.checked()?;
     response.validate()?;
     let listener = pairs::listener(&job.scene, options.listener.as_deref())?;
     let mut settings = FullSettings::new(response, listener);
@@ -184,6 +198,13 @@ fn source_lines(names: &[String], sources: &[HeardSource]) -> Vec<SourceLine> {
         g_db: heard.level_db,
         paths: heard.paths,
         direct: heard.is_direct,
+        kinds: heard
+            .kinds
+            .into_iter()
+            .filter(|kind| kind.paths > 0)
+            .collect(),
+        late_db: heard.late_db,
+        text: heard.to_string(),
     };
     names.iter().zip(sources).map(line).collect()
 }
@@ -235,7 +256,7 @@ fn level(line: &SourceLine) -> String {
         "out of sight"
     };
     match line.g_db {
-        Some(g_db) => format!("G {:+.1} dB, {direct}", tenths(g_db)),
+        Some(g_db) => format!("G {:+.1} dB, {direct} ({})", tenths(g_db), line.text),
         None => "not heard".to_owned(),
     }
 }

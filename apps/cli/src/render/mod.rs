@@ -25,6 +25,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch render open-field -o pass.wav
   echomarch render hall.ron -o hall.wav --sound flute=flute.wav --sound voice=voice.wav
+  echomarch render open-pillars -o walk.wav --diffraction
   echomarch render corner -o corner.wav --sound noise --seconds 3 --gain 12
   echomarch render my.ron -o walk.wav --sound voice.wav --law linear";
 

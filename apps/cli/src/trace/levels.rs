@@ -4,7 +4,7 @@ use super::super::impulse::pairs::chosen;
 use super::super::print;
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Scene;
-use echomarch::tracer::{Settings, Tracer};
+use echomarch::tracer::Tracer;
 use serde::Serialize;
 
 /// Level, delay and direction of a source at a listener.
@@ -30,12 +30,11 @@ const LEAST_ONE_SIDED: f64 = 0.1;
 pub fn heard(
     tracer: &mut Tracer,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ResponseSettings,
 ) -> anyhow::Result<Vec<Heard>> {
-    let how = ResponseSettings::default().with_trace_of_frames(settings);
     let mut all = Vec::new();
     for pair in chosen(scene, None, None)? {
-        let response = Response::trace(tracer, pair.pair, &how)?;
+        let response = Response::trace(tracer, pair.pair, settings)?;
         let level = response.level(pair.pair.listener());
         all.push(Heard {
             source: pair.source,

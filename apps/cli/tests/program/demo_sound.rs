@@ -231,6 +231,44 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     );
 }
 
+/// A talker behind a pillar of concrete, which sound passes and bends around.
+const PILLAR: &str = "Scene(
+    surfaces: [Surface(shape: Cylinder(radius: 1, height: 6), material: \"concrete\")],
+    source: Source(position: (0, 0, -3)),
+    listener: Listener(position: (0.3, 0, 3), radius: 0.3))";
+
+/// Protects the switches of the parts of full sound: `--diffraction` switches diffraction on, the keys 4 and 5 switch
+/// diffraction and transmission off, and the key 8 adds a path with the level of `--least-level`.
+#[test]
+fn keys_switch_the_parts_of_the_sound() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("pillar.ron");
+    std::fs::write(&scene, PILLAR).unwrap();
+    let demo = display.demo(&[argument(&scene), "--diffraction", "--least-level", "-40"]);
+    let heard = |what: &str, paths: [u64; 5]| {
+        demo.wait_until(what, |frame| {
+            let kinds = frame["sources"][0]["kinds"].as_array();
+            kinds.is_some_and(|kinds| kinds.iter().map(|kind| &kind["paths"]).eq(paths.iter()))
+        })
+    };
+    heard("two ways around and one through", [0, 0, 2, 1, 0]);
+    demo.key("4");
+    heard(
+        "only transmission, raised to the least level",
+        [0, 0, 0, 1, 1],
+    );
+    demo.key("5");
+    let frame = heard("only the least level", [0, 0, 0, 0, 1]);
+    // The source is 6.007 m away.
+    let least_db = 20.0 * (10.0_f64 / 36.09_f64.sqrt()).log10() - 40.0;
+    let level_db = frame["sources"][0]["level_db"].as_f64().unwrap();
+    assert!((level_db - least_db).abs() < 0.01, "{level_db} {least_db}");
+    demo.key("8");
+    heard("nothing", [0; 5]);
+    demo.quit();
+}
+
 /// The level of each channel in the last fifth of a second.
 fn level(samples: &[f32]) -> [f64; 2] {
     let last = &samples[samples.len().saturating_sub(2 * 9600)..];

@@ -77,3 +77,33 @@ fn a_hall_is_heard_in_every_seat() {
     assert!(number(0, "g_db") > number(2, "g_db"));
     assert!(number(2, "delay_s") > number(0, "delay_s") + 0.05);
 }
+
+/// The strength *G* of the only source of an example scene at a time in seconds, with diffraction.
+fn g_db_at(name: &str, seconds: &str) -> f64 {
+    let scene = scene(name);
+    let levels = levels(&[&scene, "--diffraction", "--time", seconds]);
+    levels[0]["g_db"].as_f64().unwrap()
+}
+
+/// Protects the scenes for `render --diffraction`: behind the pillar the talker is quieter, and audible. Round the corner
+/// the talker becomes louder. The shut door leaves a faint sound.
+#[test]
+fn scenes_to_hear_fall_and_rise() {
+    let pillar = ["0", "2.5", "6"].map(|at| g_db_at("pillar", at));
+    assert!(
+        pillar[1] < pillar[0] - 5.0 && pillar[1] > pillar[0] - 12.0,
+        "{pillar:?}"
+    );
+    assert!((pillar[2] - pillar[0]).abs() < 1.0, "{pillar:?}");
+    let corner = ["0", "5", "10"].map(|at| g_db_at("street-corner", at));
+    assert!(
+        corner.is_sorted() && corner[2] > corner[0] + 20.0,
+        "{corner:?}"
+    );
+    let door = ["0", "2.5", "5"].map(|at| g_db_at("closing-door", at));
+    assert!(door[0] > door[1] && door[1] > door[2] + 6.0, "{door:?}");
+    assert!(
+        door[2] < door[0] - 15.0 && door[2] > door[0] - 30.0,
+        "{door:?}"
+    );
+}

@@ -250,7 +250,7 @@ fn what_a_link_says_wrongly_is_told() {
         stage.load(
             browser,
             "#scene=castle&profile=x&waves=&iterations=2.5&listen=loud&sound=bell&volume=9&listener=1,2\
-             &value.a=b&wavs=3",
+             &value.a=b&wavs=3&late=maybe&least=-31",
         );
         for part in [
             "no scene \"castle\"",
@@ -262,6 +262,8 @@ fn what_a_link_says_wrongly_is_told() {
             "volume has to be",
             "listener has to be 5 numbers",
             "value.a has to be",
+            "late has to be on or off",
+            "no least \"-31\"",
             "no setting \"wavs\"",
         ] {
             browser.wait_for("#message", part);

@@ -84,6 +84,103 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
     }
 }
 
+/// Protects the effect of diffraction on a sound: behind the wall the source is louder than without diffraction, and in
+/// sight it is as loud as without. `trace --levels` has the same option. A balance of waves has no diffraction.
+#[test]
+fn sound_bends_around_a_wall() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scene(folder.path(), WALK);
+    let wav = folder.path().join("bent.wav");
+    let render = |more: &[&str]| {
+        let call = [
+            "render",
+            &file,
+            "-o",
+            argument(&wav),
+            "--waves",
+            "1024",
+            "--tail",
+            "0.1",
+            "--fps",
+            "5",
+        ];
+        levels(&json(&[&call, more].concat()))
+    };
+    let (plain, bent) = (render(&[]), render(&["--diffraction"]));
+    let more_db: Vec<f64> = bent
+        .iter()
+        .zip(&plain)
+        .map(|(bent, plain)| bent - plain)
+        .collect();
+    assert!(more_db[10] > 0.1, "{more_db:?}");
+    assert!(more_db[0].abs() < 0.5, "{more_db:?}");
+    let trace = |more: &[&str]| {
+        let call = ["trace", &file, "--levels", "--time", "2", "--waves", "1024"];
+        json(&[&call, more].concat())["levels"][0]["g_db"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!(trace(&["--diffraction"]) > trace(&[]) + 0.1);
+    refuse(
+        &["trace", &file, "--diffraction"],
+        "--diffraction needs --levels",
+    );
+    let balance = [
+        "render",
+        &file,
+        "-o",
+        argument(&wav),
+        "--listen",
+        "balance",
+        "--diffraction",
+    ];
+    refuse(&balance, "--diffraction needs --listen full");
+}
+
+/// Protects a hidden source from vanishing: with `--least-level` it has this level relative to its direct sound in the
+/// open, and the report names the added path. A level out of range is refused.
+#[test]
+fn a_hidden_source_keeps_its_least_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = WALK.replace(
+        "Surface(shape: Plane, position: (0, 6, 0), rotation: (180, 0, 0), material: \"ceiling\"),",
+        "",
+    );
+    let file = scene(folder.path(), &text);
+    let wav = folder.path().join("least.wav");
+    let call = [
+        "render",
+        &file,
+        "-o",
+        argument(&wav),
+        "--waves",
+        "1024",
+        "--tail",
+        "0.1",
+        "--fps",
+        "5",
+    ];
+    let report = json(&[&call[..], &["--least-level", "-20"]].concat());
+    // The source is 6 m away at 2 s.
+    let source = &report["frames"][10]["sources"][0];
+    let least_db = 20.0 * (10.0_f64 / 6.0).log10() - 20.0;
+    assert!(
+        (source["g_db"].as_f64().unwrap() - least_db).abs() < 0.01,
+        "{source}"
+    );
+    assert_eq!(source["kinds"][0]["kind"], "added");
+    assert_eq!(
+        report["frames"][0]["sources"][0]["kinds"][0]["kind"],
+        "direct"
+    );
+    let [left, _] = read_stereo(&wav);
+    assert!(rms(&left[2 * RATE..2 * RATE + RATE / 5]) > 0.0);
+    refuse(
+        &[&call[..], &["--least-level", "1"]].concat(),
+        "--least-level must be -100 to 0",
+    );
+}
+
 /// Protects loudness and delay: a source of 0 dB at 2 m in the open has half the amplitude of its sound, and arrives 2
 /// m / (343 m/s) later. `--gain` makes it louder. A repeated call gives the same bytes.
 #[test]

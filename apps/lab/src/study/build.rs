@@ -160,6 +160,7 @@ fn kept(said: &Keep) -> Kept {
         let mut settings = ResponseSettings::default();
         settings.seconds = said.seconds;
         settings.order = said.order;
+        settings.diffraction = said.diffraction;
         (settings, ResponseColumns::of(said))
     };
     Kept {

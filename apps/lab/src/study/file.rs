@@ -210,9 +210,18 @@ pub(super) struct ResponseFile {
     /// Maximum number of reflections of exact paths.
     #[serde(default)]
     pub order: Option<u32>,
+    /// Whether the direct sound and reflections at plane faces bend around obstacles. `false` is not serialised, so that
+    /// the hashes of studies without diffraction stay the same.
+    #[serde(default, skip_serializing_if = "is_off")]
+    pub diffraction: bool,
     /// Length of the echogram bins in milliseconds; `None` to keep no echogram.
     #[serde(default)]
     pub echogram_ms: Option<u32>,
+}
+
+/// Whether a switch is off.
+fn is_off(switch: &bool) -> bool {
+    !switch
 }
 
 /// A figure of ISO 3382-1, in the order of [`BandFigures::NAMES`](echomarch::response::BandFigures).

@@ -228,6 +228,24 @@ fn counts_are_written_as_on_the_command_line() {
     assert_ne!(hash("10000"), hash("1e5"));
 }
 
+/// Protects the choice of diffraction in a study: it reaches the responses, and it changes the hash. A study that states
+/// the default has the hash of a study without the choice.
+#[test]
+fn a_study_can_have_diffraction() {
+    let with = |response: &str| {
+        read(&SMALL.replace("counts: false", &format!("response: Response({response})"))).unwrap()
+    };
+    let diffracts = |study: &Study| study.keep.response.as_ref().unwrap().0.diffraction;
+    let (plain, off, on) = (
+        with(""),
+        with("diffraction: false"),
+        with("diffraction: true"),
+    );
+    assert_eq!([&plain, &off, &on].map(diffracts), [false, false, true]);
+    assert_eq!(plain.hash(), off.hash());
+    assert_ne!(plain.hash(), on.hash());
+}
+
 /// Protects against joining shards that do not belong together: the hash changes with everything that determines the
 /// results, and with nothing else.
 #[test]

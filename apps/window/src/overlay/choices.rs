@@ -7,10 +7,15 @@ use super::super::state::Choices;
 use super::{HudState, materials, style};
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
+use echomarch::response::ResponseSettings;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Algorithm, Profile};
-use echomarch_walk::{ValueSlider, World};
-use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
+use echomarch_walk::{Part, Parts, ValueSlider, World};
+use egui::{Button, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui, Vec2};
+
+/// The explanation of the least level.
+const LEAST_LEVEL: &str = "a source is never quieter than this level relative to its direct sound in the open: \
+                           a floor for games, not physics";
 
 /// Draws all controls.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
@@ -212,7 +217,7 @@ fn listening(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
         }
     });
     if now == Listen::Full {
-        return no_option(ui, "each arrival is panned with constant power");
+        return parts(ui, &mut chosen.parts);
     }
     ui.horizontal(|ui| {
         for (law, name) in [
@@ -223,6 +228,25 @@ fn listening(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
                 chosen.chosen_law = Some(law);
             }
         }
+    });
+}
+
+/// The switches of the parts of the sound, and the least level.
+fn parts(ui: &mut Ui, parts: &mut Parts) {
+    let switch = |ui: &mut Ui, parts: &mut Parts, index: usize| {
+        let part = Part::ALL[index];
+        let text = format!("{} {}", index + 4, part.name());
+        ui.checkbox(parts.switch(part), text);
+    };
+    for pair in [[0, 1], [2, 3]] {
+        ui.horizontal(|ui| pair.map(|index| switch(ui, parts, index)));
+    }
+    ui.horizontal(|ui| {
+        switch(ui, parts, 4);
+        let lowest_db = ResponseSettings::LOWEST_LEAST_LEVEL_DB;
+        let level = DragValue::new(&mut parts.least_level_db);
+        let level = level.range(lowest_db..=0.0).fixed_decimals(0);
+        ui.add(level.suffix(" dB")).on_hover_text(LEAST_LEVEL);
     });
 }
 

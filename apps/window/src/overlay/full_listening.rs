@@ -11,6 +11,9 @@ const CURVE: f32 = 44.0;
 /// Maximum number of sources listed. Further sources are not shown.
 const MOST_SOURCES: usize = 6;
 
+/// Number of rows for the kinds of paths of a source: all kinds with their levels need two.
+const KIND_ROWS: usize = 2;
+
 /// Draws the section if full listening is on.
 pub fn draw(ui: &mut Ui, hud: &HudState) {
     let Some(ears) = hud.ears else {
@@ -23,7 +26,10 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
             Some(name) => style::plain(name),
             None => format!("source {}", number + 1),
         };
-        style::row(ui, &name, level(ears.sources.get(number)));
+        let heard = ears.sources.get(number);
+        style::row(ui, &name, level(heard));
+        let kinds = heard.map_or_else(String::new, HeardSource::to_string);
+        style::note(ui, &kinds, style::FAINT, KIND_ROWS);
     }
     curve(ui, ears);
     let times = format!("{:.0} + {:.0} ms", ears.trace_ms, ears.late_ms);

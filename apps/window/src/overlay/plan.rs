@@ -1,13 +1,15 @@
-//! The scene from above: walls from the distance function, sources, listeners, and the paths of some waves.
+//! The scene from above: walls from the distance function, sources, listeners, the paths of some waves, and the exact
+//! paths of full listening.
 
 use super::{HudState, style};
 use echomarch::picture::Bounds;
+use echomarch::response::PathKind;
 use echomarch::scene::{Listener, Scene};
 use echomarch::tracer::{Fate, Wave};
-use echomarch_walk::{Cut, STUB, way};
+use echomarch_walk::{Cut, DrawnPath, STUB, way};
 use egui::{
-    Color32, ColorImage, Context, Pos2, Rect, Sense, Shape, Stroke, TextureHandle, TextureOptions,
-    Ui, Vec2,
+    Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Shape, Stroke, TextureHandle,
+    TextureOptions, Ui, Vec2,
 };
 use glam::Vec3;
 
@@ -43,13 +45,20 @@ impl Plan {
         };
         if let Some(source) = scene.sources.first().filter(|_| paths) {
             let stub = STUB * size.x;
-            painter.extend(path_shapes(hud.paths, source.position, stub, place));
+            let exact = hud.ears.map_or(&[][..], |ears| &ears.paths);
+            let opacity = if exact.is_empty() { 1.0 } else { BESIDE_EXACT };
+            let start = (source.position, stub);
+            painter.extend(path_shapes(hud.paths, start, opacity, place));
+            painter.extend(exact_shapes(exact, place));
         }
         marks(&painter, scene, scale, place);
         let corner = rect.left_bottom() + Vec2::new(5.0, -2.0);
         let text = format!("{:.0} × {:.0} m", size.x, size.y);
         let font = egui::FontId::proportional(9.0);
         painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
+        if hud.ears.is_some() {
+            legend(ui);
+        }
     }
 
     /// Recomputes the cut through the scene if the scene has changed. Returns the bounds of the plan.
@@ -65,6 +74,40 @@ impl Plan {
         }
         self.cut.bounds()
     }
+}
+
+/// The kinds of exact paths in the plan, in the order of the legend, with their colours.
+const KINDS: [(PathKind, Color32); 4] = [
+    (PathKind::Direct, style::DIRECT),
+    (PathKind::Mirrored, style::MIRRORED),
+    (PathKind::Diffracted, style::DIFFRACTED),
+    (PathKind::Transmitted, style::TRANSMITTED),
+];
+
+/// Width of the line of an exact path, in points. The line is wider than those of waves.
+const EXACT_WIDTH: f32 = 1.6;
+
+/// Opacity of the paths of waves beside exact paths.
+const BESIDE_EXACT: f32 = 0.35;
+
+/// Draws one line for each exact path, from its source over its points to the listener. The first paths, which are not
+/// mirrored, are on top.
+fn exact_shapes(paths: &[DrawnPath], place: impl Fn(Vec3) -> Pos2) -> Vec<Shape> {
+    let line = |path: &DrawnPath| {
+        let (_, colour) = KINDS.into_iter().find(|(kind, _)| *kind == path.kind)?;
+        let points = path.points.iter().map(|&point| place(point)).collect();
+        Some(Shape::line(points, Stroke::new(EXACT_WIDTH, colour)))
+    };
+    paths.iter().rev().filter_map(line).collect()
+}
+
+/// Names the colours of exact paths.
+fn legend(ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        for (kind, colour) in KINDS {
+            ui.label(RichText::new(kind.name()).color(colour).small());
+        }
+    });
 }
 
 /// Opacity of the marks of all listeners except the first, whose sound is played.
@@ -119,11 +162,12 @@ fn radius_of(listener: &Listener, scale: f32) -> f32 {
     (scale * listener.radius).max(3.0)
 }
 
-/// Draws one line for each wave; waves that reached the listener are drawn on top.
+/// Draws one line for each wave; waves that reached the listener are drawn on top. The waves start at the source, and
+/// the line of a dead wave ends after `stub` metres.
 fn path_shapes(
     states: &[Vec<Wave>],
-    source: Vec3,
-    stub: f32,
+    (source, stub): (Vec3, f32),
+    opacity: f32,
     place: impl Fn(Vec3) -> Pos2,
 ) -> Vec<Shape> {
     let waves = states.first().map_or(0, Vec::len);
@@ -141,6 +185,7 @@ fn path_shapes(
     ];
     let mut shapes = Vec::new();
     for (fate, colour, width) in styles {
+        let colour = colour.gamma_multiply(opacity);
         let is_drawn_so = |of: &Fate| match of {
             // Waves with values that are not finite are drawn as dead waves.
             Fate::NotFinite => fate == Fate::Dead,

@@ -43,6 +43,14 @@ pub const REACHED: Color32 = Color32::from_rgb(255, 128, 44);
 pub const TRAVELLING: Color32 = Color32::from_rgb(150, 160, 170);
 /// Waves that are dead.
 pub const DEAD: Color32 = Color32::from_rgb(40, 190, 145);
+/// The direct sound.
+pub const DIRECT: Color32 = Color32::from_rgb(245, 245, 245);
+/// Exact paths over reflections.
+pub const MIRRORED: Color32 = Color32::from_rgb(240, 228, 66);
+/// Paths around obstacles.
+pub const DIFFRACTED: Color32 = Color32::from_rgb(240, 100, 200);
+/// Paths through solids.
+pub const TRANSMITTED: Color32 = Color32::from_rgb(150, 140, 255);
 /// Errors.
 pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
 /// Background of a panel.

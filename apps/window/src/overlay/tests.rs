@@ -2,8 +2,11 @@
 
 use super::super::DemoOptions;
 use super::*;
-use echomarch::response::HeardSource;
+use echomarch::response::{HeardSource, PathKind};
+use echomarch_walk::DrawnPath;
 use egui::{Context, Id, RawInput, Rect};
+use glam::Vec3;
+use std::sync::Arc;
 
 /// All areas that have a fixed position.
 const AREAS: [&str; 7] = [
@@ -38,6 +41,15 @@ const BUSY: Moment = Moment {
     drawn: [1600, 900],
     seconds: 12.3,
 };
+
+/// A path of each kind.
+fn drawn_paths() -> Arc<[DrawnPath]> {
+    let path = |kind| DrawnPath {
+        kind,
+        points: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+    };
+    PathKind::ALL.map(path).into()
+}
 
 /// Returns the positions of all areas after several frames with these values, in a window of this size.
 fn laid_out(
@@ -81,6 +93,7 @@ fn laid_out(
         Some(_) => EarsStatus {
             sources: vec![HeardSource::default(); 3],
             curve: vec![-20.0; 120],
+            paths: drawn_paths(),
             ..EarsStatus::default()
         },
     };

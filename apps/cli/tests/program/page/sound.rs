@@ -1,7 +1,7 @@
 //! The page's sound: recorded from its own audio graph, stopped, played with a refused text, and played in browsers
 //! that lack a required feature.
 
-use super::{FLAGS, Stage, TIMEOUT, on_page, wait, write_text};
+use super::{FLAGS, Stage, TIMEOUT, escaped, on_page, wait, write_text};
 use crate::webdriver::Browser;
 use std::time::{Duration, Instant};
 
@@ -101,6 +101,51 @@ fn a_page_plays_the_source_where_it_is() {
             turn_round(browser);
             check_side(browser, Side::Left, listen);
         }
+    });
+}
+
+/// A talker behind a pillar of concrete, which sound passes and bends around.
+const PILLAR: &str = "Scene(
+    surfaces: [Surface(shape: Cylinder(radius: 1, height: 6), material: \"concrete\")],
+    source: Source(position: (0, 0, -3)),
+    listener: Listener(position: (0.3, 0, 3), radius: 0.3))";
+
+/// Protects the switches of the parts of full sound: a key changes which kinds of paths are heard and drawn, and the link
+/// contains the choice.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn keys_switch_parts_of_the_sound() {
+    on_page(|stage, browser| {
+        let link = format!(
+            "#waves=4096&sound=noise&diffraction=on&text={}",
+            escaped(PILLAR)
+        );
+        stage.load(browser, &link);
+        browser.click("#play");
+        browser.wait_for("#kinds", "2 diffracted");
+        browser.wait_for("#kinds", "1 transmitted");
+        // Three paths, each with its kind and the number of its points.
+        wait(
+            browser,
+            "return echomarch.paths().length > 3 * 2 + 2 * 2 * 3",
+        );
+        browser.click("h1");
+        browser.press("4");
+        wait(
+            browser,
+            "const text = document.getElementById('kinds').textContent; \
+             return text.includes('transmitted') && !text.includes('diffracted')",
+        );
+        browser.press("5");
+        browser.wait_for("#kinds", "nothing arrives");
+        assert_eq!(browser.run("return echomarch.paths().length"), 0);
+        browser.press("8");
+        browser.wait_for("#kinds", "1 added");
+        wait(
+            browser,
+            "return ['diffraction=off', 'transmission=off', 'late=on', 'least=-30']\
+             .every((choice) => echomarch.address().includes(choice))",
+        );
     });
 }
 

@@ -1,0 +1,72 @@
+//! The least level of a source: energy that is added so that a hidden source does not vanish.
+
+use super::Response;
+use super::exact_paths::SpecularPath;
+use super::source_sound::{HeardPath, Medium, PathKind, comes_from};
+use crate::bands::{self, BAND_COUNT, Bands};
+use crate::scene::Pair;
+use std::f64::consts::PI;
+
+/// Adds a path with the energy that is missing in bands below the least level, if any. `least_db` is relative to the
+/// direct sound in the open, in decibels.
+pub(super) fn raise(response: &mut Response, pair: Pair, medium: &Medium, least_db: f64) {
+    let Some(straight) = straight(pair, medium) else {
+        return;
+    };
+    let share = 10_f64.powf(least_db / 10.0);
+    let heard = response.energy();
+    let missing: Bands =
+        std::array::from_fn(|band| (share * straight.energy[band] - heard[band]).max(0.0));
+    if missing.iter().all(|energy| *energy == 0.0) {
+        return;
+    }
+    let added = HeardPath {
+        kind: PathKind::Added,
+        energy: missing,
+        errors_db: [0.0; BAND_COUNT],
+        ..strongest(&response.paths).cloned().unwrap_or(straight)
+    };
+    if added.delay_s > response.seconds {
+        return;
+    }
+    let is_before = |path: &HeardPath| path.delay_s <= added.delay_s;
+    let at = response.paths.partition_point(is_before);
+    response.paths.insert(at, added);
+}
+
+fn strongest(paths: &[HeardPath]) -> Option<&HeardPath> {
+    let mean = |path: &HeardPath| bands::mean(&path.energy);
+    paths.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)))
+}
+
+/// The direct sound in the open; `None` if the source is at the listener's centre, where its energy is infinite.
+fn straight(pair: Pair, medium: &Medium) -> Option<HeardPath> {
+    let (source, listener) = (pair.source.position, pair.listener.position);
+    let way = listener.as_dvec3() - source.as_dvec3();
+    let (direction, length_m) = (way.try_normalize()?, way.length());
+    let spreading = 1.0 / (4.0 * PI * length_m * length_m);
+    let radiated = pair.source.factor(direction);
+    let emitted = radiated.map(|share| share * spreading * medium.level);
+    let (azimuth, elevation) = comes_from(pair.listener, -direction);
+    Some(HeardPath {
+        kind: PathKind::Direct,
+        reflections: Vec::new(),
+        path: SpecularPath {
+            surfaces: Vec::new(),
+            walls: Vec::new(),
+            points: Vec::new(),
+            length_m,
+            departure: direction,
+            arrival_direction: direction,
+            spreading,
+            is_focus: false,
+            found_by: 0,
+            is_searched: true,
+        },
+        delay_s: length_m / medium.speed,
+        energy: bands::through_air(&emitted, &medium.air, length_m),
+        errors_db: [0.0; BAND_COUNT],
+        azimuth,
+        elevation,
+    })
+}
