@@ -6,9 +6,26 @@ use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath};
-use crate::scene::{Pair, Scene};
+use crate::scene::{IntoPair, Pair, Scene};
 use glam::DVec3;
 use std::f64::consts::PI;
+
+/// What diffraction does to the sound of a pair, without reflections: the paths around what hides the source, by length,
+/// and the energy of the direct sound by band, relative to that in the open. No paths if the pair is in sight.
+///
+/// # Errors
+/// The errors of [`Scene::validate`].
+#[doc(hidden)]
+pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands), Error> {
+    let pair = pair.chosen()?;
+    let medium = Medium::of(pair);
+    let around = paths_around(pair, &medium)?;
+    let beside = match around.is_empty() {
+        true => beside(pair, &medium)?,
+        false => [0.0; BAND_COUNT],
+    };
+    Ok((around, beside))
+}
 
 /// The paths around what hides the source of a pair from its listener, by length; none if they see each other, or if
 /// either is in a solid.
