@@ -93,7 +93,28 @@ pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
 /// The diffracted paths from a source to a listener in the air that do not see each other; none if they do.
 ///
 /// `coefficients` are the pressure reflection coefficients of a surface, by its number and by band.
+///
+/// The energies do not change if source and listener change places: the search always begins at the same end.
 pub(super) fn around(
+    exact: &ExactScene,
+    (source, listener): (DVec3, DVec3),
+    speed: f64,
+    coefficients: impl Fn(u32) -> Bands,
+) -> Vec<DiffractedPath> {
+    if is_in_order(source, listener) {
+        return around_from(exact, (source, listener), speed, coefficients);
+    }
+    let paths = around_from(exact, (listener, source), speed, coefficients);
+    paths.into_iter().map(DiffractedPath::reversed).collect()
+}
+
+/// Whether the first of two points is the one at which a search begins: that with the smaller x, or at the same x with the
+/// smaller y, or z.
+fn is_in_order(a: DVec3, b: DVec3) -> bool {
+    a.to_array() <= b.to_array()
+}
+
+fn around_from(
     exact: &ExactScene,
     (source, listener): (DVec3, DVec3),
     speed: f64,
@@ -133,6 +154,10 @@ pub(super) fn beside(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Bands {
+    let (source, listener) = match is_in_order(source, listener) {
+        true => (source, listener),
+        false => (listener, source),
+    };
     let Some(planes) = HalfPlanes::between(source, listener) else {
         return [1.0; BAND_COUNT];
     };
@@ -170,6 +195,17 @@ pub(super) fn beside(
 }
 
 impl DiffractedPath {
+    /// The path from the listener to the source.
+    fn reversed(mut self) -> DiffractedPath {
+        self.points.reverse();
+        self.surfaces.reverse();
+        DiffractedPath {
+            departure: -self.arrival_direction,
+            arrival_direction: -self.departure,
+            ..self
+        }
+    }
+
     fn along(
         bend: &Bend,
         exact: &ExactScene,
