@@ -204,6 +204,38 @@ impl Placed {
         }
     }
 
+    /// Signed distance in metres from a point of the air in front of a face to the rest of the shape, as if the shape
+    /// were mirrored at the face and the face were open. `normal` is the unit normal of the face in world axes.
+    ///
+    /// Infinite for a convex solid, which lies behind its faces. Fields that are not convex keep their face.
+    pub fn distance_without_face(&self, point: DVec3, normal: DVec3) -> f64 {
+        match self.form {
+            Form::Room { half } => {
+                let Face { axis, positive } = self.wall(normal);
+                let (mut centre, mut size) = (DVec3::ZERO, half);
+                centre[axis] = if positive { half[axis] } else { -half[axis] };
+                size[axis] *= 2.0;
+                -box_distance(self.local(point - self.position) - centre, size)
+            }
+            _ if self.is_convex() => f64::INFINITY,
+            _ => self.distance(point),
+        }
+    }
+
+    /// The face of a room with this unit normal, which points into the air in world axes.
+    pub fn wall(&self, normal: DVec3) -> Face {
+        let normal = self.local(normal);
+        let size = normal.abs();
+        let axis = (1..3).fold(
+            0,
+            |most, axis| if size[axis] > size[most] { axis } else { most },
+        );
+        Face {
+            axis,
+            positive: normal[axis] < 0.0,
+        }
+    }
+
     /// The first intersection of a line in world axes with the shape, from the air.
     ///
     /// `left` is the face of this shape on which the line starts. The march of a field can stop beyond `until` metres,

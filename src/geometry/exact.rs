@@ -182,6 +182,18 @@ impl ExactScene {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
+    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `face` is the number of the
+    /// surface, from 1, and the unit normal of its face.
+    pub(crate) fn distance_without_face(&self, point: DVec3, face: (u32, DVec3)) -> f64 {
+        let distance = |(number, surface): (u32, &Placed)| match number == face.0 {
+            true => surface.distance_without_face(point, face.1),
+            false => surface.distance(point),
+        };
+        let distances = (1..).zip(&self.surfaces).map(distance);
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
     /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
     pub(crate) fn nearest(&self, point: DVec3) -> u32 {
         let distances = self.surfaces.iter().map(|surface| surface.distance(point));
@@ -480,20 +492,6 @@ impl ExactScene {
     fn left(&self, surface: u32, normal: DVec3) -> Left {
         let index = (surface as usize).checked_sub(1)?;
         let placed = self.surfaces.get(index)?;
-        Some((index, placed.is_room().then(|| wall(placed, normal))))
-    }
-}
-
-/// The face of a room with this unit normal, which points into the air in world axes.
-fn wall(room: &Placed, normal: DVec3) -> Face {
-    let normal = room.local(normal);
-    let size = normal.abs();
-    let axis = (1..3).fold(
-        0,
-        |most, axis| if size[axis] > size[most] { axis } else { most },
-    );
-    Face {
-        axis,
-        positive: normal[axis] < 0.0,
+        Some((index, placed.is_room().then(|| placed.wall(normal))))
     }
 }

@@ -1,17 +1,18 @@
 //! The sound of a source that is hidden from the listener: paths around what is in the way, and the path through it.
 
-use super::diffraction::{self, DiffractedPath};
-use super::source_sound::{HeardPath, Medium, PathKind, comes_from};
+use super::diffraction::{self, DiffractedPath, Mirror};
+use super::source_sound::{HeardPath, Medium, PathKind, comes_from, reflectance};
 use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::response::exact_paths::{EarlyPaths, SpecularPath};
+use crate::response::exact_paths::{EarlyPaths, SpecularPath, Vertex};
 use crate::scene::{IntoPair, Pair, Scene};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// What diffraction does to the sound of a pair, without reflections: the paths around what hides the source, by length,
-/// and the energy of the direct sound by band, relative to that in the open. No paths if the pair is in sight.
+/// What diffraction does to the direct sound of a pair: the paths around what hides the source, and the energy of the
+/// direct sound by band, relative to that in the open. No paths if the pair is in sight, or an end lies in a solid.
 ///
 /// # Errors
 /// The errors of [`Scene::validate`].
@@ -19,45 +20,144 @@ use std::f64::consts::PI;
 pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands), Error> {
     let pair = pair.chosen()?;
     let medium = Medium::of(pair);
-    let around = paths_around(pair, &medium)?;
-    let beside = match around.is_empty() {
-        true => beside(pair, &medium)?,
-        false => [0.0; BAND_COUNT],
+    let obstacles = Obstacles::of(pair, &medium)?;
+    let around = obstacles.paths_around();
+    let faces = |surface: u32| pressure_reflection(pair.scene, surface);
+    let beside = match obstacles.ends.filter(|_| around.is_empty()) {
+        Some(ends) => diffraction::beside(obstacles.early.exact(), ends, medium.speed, faces),
+        None => [0.0; BAND_COUNT],
     };
     Ok((around, beside))
 }
 
-/// The paths around what hides the source of a pair from its listener, by length; none if they see each other, or if
-/// either is in a solid.
-pub(super) fn paths_around(pair: Pair, medium: &Medium) -> Result<Vec<HeardPath>, Error> {
-    let early = EarlyPaths::new(pair)?;
-    let ends = early.ends(pair);
-    if !early.is_open(ends.source) || !early.is_open(ends.listener) {
-        return Ok(Vec::new());
-    }
-    let faces = |surface: u32| pressure_reflection(pair.scene, surface);
-    let ends = (ends.source, ends.listener);
-    let paths = diffraction::around(early.exact(), ends, medium.speed, faces);
-    let mut heard: Vec<HeardPath> = paths
-        .into_iter()
-        .map(|path| Path::from(path).heard(pair, medium))
-        .collect();
-    heard.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
-    Ok(heard)
+/// The surfaces between the source and the listener of a pair.
+pub(super) struct Obstacles<'a> {
+    pair: Pair<'a>,
+    medium: &'a Medium,
+    early: EarlyPaths,
+    /// The source and the listener; `None` if either is in a solid.
+    ends: Option<(DVec3, DVec3)>,
 }
 
-/// The energy of the direct sound by band, relative to that in the open, with the edges beside its way: 1 without edges.
-pub(super) fn beside(pair: Pair, medium: &Medium) -> Result<Bands, Error> {
-    let early = EarlyPaths::new(pair)?;
-    let ends = early.ends(pair);
-    let faces = |surface: u32| pressure_reflection(pair.scene, surface);
-    let ends = (ends.source, ends.listener);
-    Ok(diffraction::beside(
-        early.exact(),
-        ends,
-        medium.speed,
-        faces,
-    ))
+/// The paths around what hides the reflection at a plane face.
+pub(super) struct Bent {
+    /// The index of the reflection.
+    pub reflection: usize,
+    /// The sound along the paths.
+    pub paths: Vec<HeardPath>,
+}
+
+impl<'a> Obstacles<'a> {
+    pub fn of(pair: Pair<'a>, medium: &'a Medium) -> Result<Obstacles<'a>, Error> {
+        let early = EarlyPaths::new(pair)?;
+        let ends = early.ends(pair);
+        let ends = (ends.source, ends.listener);
+        let are_open = early.is_open(ends.0) && early.is_open(ends.1);
+        Ok(Obstacles {
+            pair,
+            medium,
+            ends: are_open.then_some(ends),
+            early,
+        })
+    }
+
+    /// The paths around what hides the source from the listener; none if they see each other, or if either is in a solid.
+    pub fn paths_around(&self) -> Vec<HeardPath> {
+        let Some(ends) = self.ends else {
+            return Vec::new();
+        };
+        let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
+        let paths = diffraction::around(self.early.exact(), ends, self.medium.speed, faces);
+        let paths = paths.into_iter().map(Path::from);
+        paths
+            .map(|path| path.heard(self.pair, self.medium))
+            .collect()
+    }
+
+    /// The paths around what hides reflections at plane faces, which `hidden` names.
+    pub fn reflections_around(&self, hidden: &[Vertex]) -> Vec<Bent> {
+        let Some(ends) = self.ends else {
+            return Vec::new();
+        };
+        let bent = |(reflection, vertex): (usize, &Vertex)| {
+            let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
+            let (exact, speed) = (self.early.exact(), self.medium.speed);
+            let paths = diffraction::around_mirrored(exact, mirror(vertex), ends, speed, faces);
+            let wall = self.wall(vertex);
+            let paths = paths
+                .into_iter()
+                .map(|path| Path::reflected(path, self.pair.scene, wall));
+            let paths: Vec<HeardPath> = paths
+                .map(|path| path.heard(self.pair, self.medium))
+                .collect();
+            (!paths.is_empty()).then_some(Bent { reflection, paths })
+        };
+        hidden.par_iter().enumerate().filter_map(bent).collect()
+    }
+
+    /// The change of the direct sound, and of reflections at a single plane face, by the edges beside their ways.
+    pub fn change_beside(&self, paths: &mut [HeardPath]) {
+        let Some(ends) = self.ends else {
+            return;
+        };
+        paths.par_iter_mut().for_each(|path| {
+            let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
+            let (exact, speed) = (self.early.exact(), self.medium.speed);
+            let beside = match (path.kind, self.plane_of(&path.path)) {
+                (PathKind::Direct, _) => diffraction::beside(exact, ends, speed, faces),
+                (PathKind::Mirrored, Some(vertex)) => {
+                    diffraction::beside_mirrored(exact, mirror(&vertex), ends, speed, faces)
+                }
+                _ => return,
+            };
+            for (energy, share) in path.energy.iter_mut().zip(beside) {
+                *energy *= share;
+            }
+        });
+    }
+
+    /// The reflection of a path with a single reflection, if that is at a plane face.
+    fn plane_of(&self, path: &SpecularPath) -> Option<Vertex> {
+        let ([surface], [point]) = (&path.surfaces[..], &path.points[..]) else {
+            return None;
+        };
+        let vertex = Vertex {
+            point: *point,
+            normal: (path.arrival_direction - path.departure).try_normalize()?,
+            surface: *surface,
+        };
+        self.early.are_flat(&[vertex]).then_some(vertex)
+    }
+
+    fn wall(&self, vertex: &Vertex) -> Option<u8> {
+        self.early.walls(std::slice::from_ref(vertex)).next()?
+    }
+
+    /// The path straight through what hides the source from the listener; `None` if nothing passes, or if either is in a
+    /// solid. `around` are the paths around the obstacle: it intercepts only the rest of the front.
+    pub fn path_through(&self, around: &[HeardPath]) -> Option<HeardPath> {
+        let (source, listener) = self.ends?;
+        let ends = (source, listener);
+        let passed = transmission::through(self.pair.scene, self.early.exact(), ends)?;
+        let (direction, length_m) = (listener - source).normalize_and_length();
+        let detour = |path: &HeardPath| path.path.length_m - length_m;
+        let detours: Vec<f64> = around.iter().map(detour).collect();
+        let intercepted = diffraction::intercepted(&detours, self.medium.speed);
+        let arriving = intercepted.map(|share| share * spreading(length_m));
+        let path = Path {
+            kind: PathKind::Transmitted,
+            reflections: Vec::new(),
+            walls: vec![None; passed.surfaces.len()],
+            points: passed.points,
+            surfaces: passed.surfaces,
+            length_m,
+            departure: direction,
+            arrival_direction: direction,
+            energy: std::array::from_fn(|band| arriving[band] * passed.share[band]),
+            errors_db: [0.0; BAND_COUNT],
+        };
+        Some(path.heard(self.pair, self.medium))
+    }
 }
 
 /// The share of the pressure that a surface reflects, by band: 1 for a surface without a material.
@@ -69,37 +169,12 @@ fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
     })
 }
 
-/// The path straight through what hides the source of a pair from its listener; `None` if nothing passes, or if either
-/// is in a solid. `around` are the paths around the obstacle: it intercepts only the rest of the front.
-pub(super) fn path_through(
-    pair: Pair,
-    medium: &Medium,
-    around: &[HeardPath],
-) -> Result<Option<HeardPath>, Error> {
-    let early = EarlyPaths::new(pair)?;
-    let ends = early.ends(pair);
-    if !early.is_open(ends.source) || !early.is_open(ends.listener) {
-        return Ok(None);
+fn mirror(vertex: &Vertex) -> Mirror {
+    Mirror {
+        surface: vertex.surface,
+        point: vertex.point,
+        normal: vertex.normal,
     }
-    let passed = transmission::through(pair.scene, early.exact(), (ends.source, ends.listener));
-    Ok(passed.map(|passed| {
-        let (direction, length_m) = (ends.listener - ends.source).normalize_and_length();
-        let detour = |path: &HeardPath| path.path.length_m - length_m;
-        let detours: Vec<f64> = around.iter().map(detour).collect();
-        let intercepted = diffraction::intercepted(&detours, medium.speed);
-        let arriving = intercepted.map(|share| share * spreading(length_m));
-        let path = Path {
-            kind: PathKind::Transmitted,
-            points: passed.points,
-            surfaces: passed.surfaces,
-            length_m,
-            departure: direction,
-            arrival_direction: direction,
-            energy: std::array::from_fn(|band| arriving[band] * passed.share[band]),
-            errors_db: [0.0; BAND_COUNT],
-        };
-        path.heard(pair, medium)
-    }))
 }
 
 /// Energy density in 1/m² at a distance in metres from a source of power 1.
@@ -112,6 +187,10 @@ struct Path {
     kind: PathKind,
     points: Vec<DVec3>,
     surfaces: Vec<u32>,
+    /// Indices of the points at which it is reflected.
+    reflections: Vec<usize>,
+    /// The walls of rooms at which it is reflected.
+    walls: Vec<Option<u8>>,
     length_m: f64,
     departure: DVec3,
     arrival_direction: DVec3,
@@ -125,6 +204,8 @@ impl From<DiffractedPath> for Path {
     fn from(path: DiffractedPath) -> Path {
         Path {
             kind: PathKind::Diffracted,
+            walls: vec![None; path.surfaces.len()],
+            reflections: path.reflections,
             points: path.points,
             surfaces: path.surfaces,
             length_m: path.length_m,
@@ -137,6 +218,17 @@ impl From<DiffractedPath> for Path {
 }
 
 impl Path {
+    /// A diffracted path with reflections at one face; `wall` is the face's wall of a room.
+    fn reflected(path: DiffractedPath, scene: &Scene, wall: Option<u8>) -> Path {
+        let mut path = Path::from(path);
+        for &point in &path.reflections {
+            path.walls[point] = wall;
+            let reflected = reflectance(scene, &[(path.surfaces[point], wall)]);
+            path.energy = std::array::from_fn(|band| path.energy[band] * reflected[band]);
+        }
+        path
+    }
+
     /// The sound along the path, with the source's level and directivity, and the loss in the air.
     fn heard(self, pair: Pair, medium: &Medium) -> HeardPath {
         let radiated = pair.source.factor(self.departure);
@@ -145,8 +237,9 @@ impl Path {
         let length_m = self.length_m;
         HeardPath {
             kind: self.kind,
+            reflections: self.reflections,
             path: SpecularPath {
-                walls: vec![None; self.surfaces.len()],
+                walls: self.walls,
                 surfaces: self.surfaces,
                 points: self.points,
                 length_m,

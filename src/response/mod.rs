@@ -78,6 +78,7 @@ use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early_part::{Caught, EarlyPart};
 pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
+use hidden::Obstacles;
 use late::{Arrivals, LateSphere};
 use serde::{Deserialize, Serialize};
 use source_sound::Medium;
@@ -173,17 +174,23 @@ impl Response {
         let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
         let all_paths = part.heard(pair, &medium);
         let is_hidden = direct(&all_paths).is_none();
+        let obstacles = Obstacles::of(pair, &medium)?;
         let around = match settings.diffracts() && is_hidden {
-            true => hidden::paths_around(pair, &medium)?,
+            true => obstacles.paths_around(),
+            false => Vec::new(),
+        };
+        let bent = match settings.diffracts() {
+            true => obstacles.reflections_around(part.hidden_reflections()),
             false => Vec::new(),
         };
         let through = match settings.transmits() && is_hidden {
-            true => hidden::path_through(pair, &medium, &around)?,
+            true => obstacles.path_through(&around),
             false => None,
         };
         // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
         let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && !around.is_empty();
-        part.left_over()
+        let is_bent = |reflection| bent.iter().any(|bent| bent.reflection == reflection);
+        part.left_over(is_bent)
             .filter(|arrival| !is_replaced(arrival))
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         // An exact path replaces the waves that pass solids in a straight line.
@@ -191,17 +198,10 @@ impl Response {
             echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
         }
         let mut paths = all_paths.clone();
-        if settings.diffracts() && !is_hidden {
-            let beside = hidden::beside(pair, &medium)?;
-            let direct = paths
-                .iter_mut()
-                .filter(|path| path.kind == PathKind::Direct);
-            direct.for_each(|path| {
-                for (energy, share) in path.energy.iter_mut().zip(beside) {
-                    *energy *= share;
-                }
-            });
+        if settings.diffracts() {
+            obstacles.change_beside(&mut paths);
         }
+        paths.extend(bent.into_iter().flat_map(|bent| bent.paths));
         paths.extend(around);
         paths.extend(through);
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));

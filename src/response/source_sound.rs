@@ -122,7 +122,7 @@ pub enum PathKind {
     Direct,
     /// Over reflections.
     Mirrored,
-    /// Around obstacles that hide the source: the path's points lie on their edges.
+    /// Around obstacles: the path's points lie on their edges, and on the faces at which it is also reflected.
     Diffracted,
     /// In a straight line through solids: the path's points are those at which it enters them.
     Transmitted,
@@ -136,6 +136,9 @@ pub struct HeardPath {
     pub kind: PathKind,
     /// The path's geometry.
     pub path: SpecularPath,
+    /// Indices of the path's points at which it is reflected. At the other points it bends, or enters a solid.
+    #[serde(default)]
+    pub reflections: Vec<usize>,
     /// Seconds from the source's impulse to its arrival.
     pub delay_s: f64,
     /// Energy density at the listener by band, in 1/m² for a source of power 1, including the

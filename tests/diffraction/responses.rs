@@ -200,6 +200,32 @@ fn levels_are_continuous_across_the_shadow_of_a_corner() {
     }
 }
 
+/// Protects the boundaries of the shadows of round bodies, at which the exact levels change by less than 0.1 dB in a step
+/// of 1 cm: steps change no band by more than 1.2 dB behind a ball, and 0.5 dB behind an endless cylinder.
+#[test]
+fn levels_are_continuous_across_the_shadows_of_round_bodies() {
+    let ball = "Sphere(radius: 1)";
+    let cylinder = "Cylinder(radius: 0.5, height: 500, axis: (0, 0, 1))";
+    let mut tracer = tracer();
+    for (shape, from, most_db) in [(ball, 1.98, 1.2), (cylinder, -0.86, 0.5)] {
+        let mut last: Option<[f64; 8]> = None;
+        let mut all_kinds = Vec::new();
+        for step in 0..14 {
+            let listener = [2.5, from - 0.01 * f64::from(step), 0.3];
+            let ends = [[-3.0, 0.0, 0.0], listener];
+            let (kinds, levels) = heard(&mut tracer, shape, ends, true);
+            all_kinds.extend(kinds);
+            for (level, last) in levels.iter().zip(last.unwrap_or(levels)) {
+                let step_db = (level - last).abs();
+                assert!(step_db < most_db, "{shape}: {step_db} dB at {listener:?}");
+            }
+            last = Some(levels);
+        }
+        assert!(all_kinds.contains(&PathKind::Direct), "{shape}");
+        assert!(all_kinds.contains(&PathKind::Diffracted), "{shape}");
+    }
+}
+
 /// Protects results without diffraction: it is off by default.
 #[test]
 fn sound_does_not_bend_unless_it_is_asked_for() {

@@ -121,9 +121,9 @@ impl Bend {
 
     /// A string and the lines of its edges, from the string in a half-plane next to its own.
     fn in_half_plane(space: &impl Space, planes: &HalfPlanes, string: &TautString) -> Option<Bend> {
-        let turns = string.turns();
+        let turns = turns_of(space, string);
         let beside = |turn: f64| {
-            let other = planes.string(space, string.azimuth + turn)?.turns();
+            let other = turns_of(space, &planes.string(space, string.azimuth + turn)?);
             (other.len() == turns.len()).then_some(other)
         };
         let other = [TURN, -TURN].into_iter().find_map(beside)?;
@@ -546,6 +546,29 @@ fn both(apart: Complex64, merged: Complex64, width: f64, hidden: f64) -> Complex
     match mean.norm() > 0.0 {
         true => mean * (1.0 - hidden + hidden * size / mean.norm()),
         false => merged,
+    }
+}
+
+/// The turns of a string. Where it touches a round body so little that the error of its contacts parts them, they are one
+/// turn.
+fn turns_of(space: &impl Space, string: &TautString) -> Vec<Turn> {
+    let turns = string.turns();
+    let [first, .., last] = &turns[..] else {
+        return turns;
+    };
+    let legs = [
+        string.source.distance(first.entry),
+        string.listener.distance(last.exit),
+    ];
+    if first.entry.distance(last.exit) > TOUCH * legs[0].min(legs[1]) {
+        return turns;
+    }
+    let middle = turns[turns.len() / 2].middle;
+    let touch = Turn::along(string.source, &[middle], string.listener);
+    let touch = on_surface(space, &touch, &[string.source, middle, string.listener]);
+    match touch.arc_m > 0.0 {
+        true => vec![touch],
+        false => turns,
     }
 }
 

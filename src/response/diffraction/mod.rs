@@ -26,6 +26,8 @@ mod bend;
 mod brink;
 mod edge;
 mod interference;
+mod lit;
+mod mirrored;
 mod profile;
 mod rim;
 mod ring;
@@ -42,28 +44,36 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use bend::Bend;
 use glam::DVec3;
-use interference::{Sound, band_mean};
+use interference::band_mean;
+use lit::Lit;
+pub(super) use mirrored::Mirror;
+use mirrored::MirroredSpace;
 use num_complex::Complex64;
-use rim::Rim;
 use space::Space;
 use string::HalfPlanes;
 use ways::Ways;
 use wedge::behind_screen;
 
+/// The world positions of source and listener in metres.
+pub(super) type Ends = (DVec3, DVec3);
+
 /// A path that bends at edges.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DiffractedPath {
-    /// The points at which it bends, in world metres.
+    /// The points at which it bends or is reflected, in world metres.
     pub points: Vec<DVec3>,
     /// The numbers of the surfaces at these points, from 1.
     pub surfaces: Vec<u32>,
+    /// The indices of the points at which it is reflected.
+    pub reflections: Vec<usize>,
     /// Length in metres.
     pub length_m: f64,
     /// Unit vector in world axes, at the source.
     pub departure: DVec3,
     /// Unit vector of flight in world axes, at the listener.
     pub arrival_direction: DVec3,
-    /// Energy density at the listener by band, in 1/m² for a source of power 1, without the loss in the air.
+    /// Energy density at the listener by band, in 1/m² for a source of power 1, without the losses in the air and at
+    /// reflections.
     pub energy: Bands,
     /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energies.
     pub errors_db: Bands,
@@ -97,100 +107,83 @@ pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
 /// The energies do not change if source and listener change places: the search always begins at the same end.
 pub(super) fn around(
     exact: &ExactScene,
-    (source, listener): (DVec3, DVec3),
+    ends: Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Vec<DiffractedPath> {
-    if is_in_order(source, listener) {
-        return around_from(exact, (source, listener), speed, coefficients);
+    let ways = ways_around(exact, in_order(ends));
+    let paths = ways.map_or(Vec::new(), |ways| ways.paths(exact, speed, coefficients));
+    match in_order(ends) == ends {
+        true => paths,
+        false => paths.into_iter().map(DiffractedPath::reversed).collect(),
     }
-    let paths = around_from(exact, (listener, source), speed, coefficients);
-    paths.into_iter().map(DiffractedPath::reversed).collect()
 }
 
-/// Whether the first of two points is the one at which a search begins: that with the smaller x, or at the same x with the
-/// smaller y, or z.
-fn is_in_order(a: DVec3, b: DVec3) -> bool {
-    a.to_array() <= b.to_array()
+/// The ends of a way, first that at which the search begins: that with the smaller x, or at the same x with the smaller y,
+/// or z.
+fn in_order((source, listener): Ends) -> Ends {
+    match source.to_array() <= listener.to_array() {
+        true => (source, listener),
+        false => (listener, source),
+    }
 }
 
-fn around_from(
+/// The diffracted paths from a source to a listener that are reflected at a plane face; none if its reflection reaches
+/// the listener without bending.
+pub(super) fn around_mirrored(
     exact: &ExactScene,
-    (source, listener): (DVec3, DVec3),
+    mirror: Mirror,
+    ends: Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Vec<DiffractedPath> {
-    if exact.is_free(source, listener) {
-        return Vec::new();
+    MirroredSpace { exact, mirror }.around(ends, speed, coefficients)
+}
+
+/// The energy of the reflection at a plane face, relative to that without obstacles, by band, with the edges beside its
+/// way.
+pub(super) fn beside_mirrored(
+    exact: &ExactScene,
+    mirror: Mirror,
+    ends: Ends,
+    speed: f64,
+    coefficients: impl Fn(u32) -> Bands,
+) -> Bands {
+    MirroredSpace { exact, mirror }.beside(ends, speed, coefficients)
+}
+
+/// The ways from a source to a listener around what is between them; `None` if they see each other.
+fn ways_around(space: &impl Space, (source, listener): Ends) -> Option<Ways> {
+    if space.is_free(source, listener) {
+        return None;
     }
-    let Some(planes) = HalfPlanes::between(source, listener) else {
-        return Vec::new();
-    };
-    let mut ways = Ways::around(exact, &planes);
+    let planes = HalfPlanes::between(source, listener)?;
+    let mut ways = Ways::around(space, &planes);
     for off in OFF_THE_EDGE {
         let Some(outwards) = ways.touched() else {
             break;
         };
         let moved = listener - outwards * (off * planes.apart_m());
-        let moved = HalfPlanes::between(source, moved).map(|planes| Ways::around(exact, &planes));
+        let moved = HalfPlanes::between(source, moved).map(|planes| Ways::around(space, &planes));
         // At a body that is thinner than the step the moved listener may see the source.
         ways = moved
             .filter(|moved| !moved.bends.is_empty())
             .unwrap_or(ways);
     }
-    let energies = ways.energies(exact, speed, coefficients);
-    let errors_db = ways.errors_db();
-    let paths = ways.bends.iter().zip(energies);
-    paths
-        .filter_map(|(way, energy)| DiffractedPath::along(&way.bend, exact, (energy, errors_db)))
-        .collect()
+    Some(ways)
 }
 
 /// The energy of the direct sound, relative to that in the open, by band, with the edges beside the way from a source to
 /// a listener that see each other, and the energy that reflections which end at these edges leave behind.
 pub(super) fn beside(
     exact: &ExactScene,
-    (source, listener): (DVec3, DVec3),
+    ends: Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Bands {
-    let (source, listener) = match is_in_order(source, listener) {
-        true => (source, listener),
-        false => (listener, source),
-    };
-    let Some(planes) = HalfPlanes::between(source, listener) else {
-        return [1.0; BAND_COUNT];
-    };
-    let mut rims = Rim::all(exact, &planes, &[]);
-    if let Some(touched) = rims.iter().find(|rim| rim.touches_the_straight_way()) {
-        // The half-planes of an edge on the line between source and listener are not defined.
-        let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * planes.apart_m());
-        let planes = HalfPlanes::between(source, moved);
-        rims = planes.map_or(Vec::new(), |planes| Rim::all(exact, &planes, &[]));
-    }
-    let faces: Vec<Bands> = rims
-        .iter()
-        .map(|rim| coefficients(exact.nearest(rim.point())))
-        .collect();
-    std::array::from_fn(|band| {
-        band_mean(band, speed, |k| {
-            let mut sounds = vec![Sound {
-                pressure: Complex64::ONE,
-                length_m: planes.apart_m(),
-            }];
-            let mut reflected = 0.0;
-            for (rim, face) in rims.iter().zip(&faces) {
-                let Some(added) = rim.added(exact, k, face[band]) else {
-                    continue;
-                };
-                reflected += added.reflected.norm_sqr();
-                sounds.push(Sound {
-                    pressure: added.direct,
-                    length_m: rim.length_m,
-                });
-            }
-            interference::energy(&sounds, k) + reflected
-        })
+    let lit = Lit::between(exact, in_order(ends));
+    lit.map_or([1.0; BAND_COUNT], |lit| {
+        lit.energy(exact, speed, coefficients)
     })
 }
 
@@ -208,14 +201,15 @@ impl DiffractedPath {
 
     fn along(
         bend: &Bend,
-        exact: &ExactScene,
+        space: &impl Space,
         (energy, errors_db): (Bands, Bands),
     ) -> Option<DiffractedPath> {
         let last = bend.points.len() - 1;
         let points: Vec<DVec3> = bend.turns.iter().map(|turn| turn.middle).collect();
         Some(DiffractedPath {
-            surfaces: points.iter().map(|point| exact.nearest(*point)).collect(),
+            surfaces: points.iter().map(|point| space.nearest(*point)).collect(),
             points,
+            reflections: Vec::new(),
             length_m: bend.length_m,
             departure: (bend.points[1] - bend.points[0]).try_normalize()?,
             arrival_direction: (bend.points[last] - bend.points[last - 1]).try_normalize()?,

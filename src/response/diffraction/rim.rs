@@ -15,7 +15,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
-const MOST_DETOUR_M: f64 = 4.0;
+pub(super) const MOST_DETOUR_M: f64 = 4.0;
 
 /// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
 const PLANE: f64 = 0.01;
@@ -35,9 +35,12 @@ pub(super) struct Rim {
 }
 
 /// The pressures that an edge adds, relative to the direct sound.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Added {
     /// To the direct sound.
     pub direct: Complex64,
+    /// To reflections at its faces in the direction of the direct sound, which end together with it.
+    ending: Complex64,
     /// To reflections at its faces that the listener does not hear there.
     pub reflected: Complex64,
 }
@@ -166,42 +169,69 @@ impl Rim {
         self.edge.wedge(space, ends, self.inwards, radius)
     }
 
-    /// The pressures that the edge adds for the wave number `k`; `face` is the pressure reflection coefficient of its
-    /// faces.
-    pub fn added(&self, space: &impl Space, k: f64, face: f64) -> Option<Added> {
-        let wedge = self.wedge(space, self.face_m(k))?;
-        let diffracted = wedge.diffracted(k);
-        let detour_m = self.length_m - wedge.apart_m();
+    /// The pressures that the edge adds for the wave number `k`. `face` is the pressure reflection coefficient of its
+    /// faces, and `wide` is how much its obstacle differs from a thin screen, from 0 to 1.
+    pub fn added(&self, space: &impl Space, k: f64, (face, wide): (f64, f64)) -> Option<Added> {
+        let detour_m = self.detour_m();
         let straight = behind_screen(k * detour_m) * Complex64::cis(k * detour_m);
         let ends = 1.0 + (ring::sum(&self.own, k) - ring::sum(&self.lines, k)) / straight;
-        let near = (1.0 - (detour_m / MOST_DETOUR_M).powi(2)).max(0.0).powi(2);
-        let shares = wedge.shares_of_direct();
-        let mut direct = diffracted.direct;
-        let (mut reflected, mut left) = (Complex64::ZERO, Complex64::ZERO);
-        for (term, share) in diffracted.reflected.into_iter().zip(shares) {
-            reflected += face * share * term;
-            left += face * (1.0 - share * share).sqrt() * term;
-        }
+        let strength = ends * self.nearness();
+        let round = match &self.grazing {
+            Some(grazing) => grazing.most_round(space, k),
+            None => 0.0,
+        };
+        let mut added = match self.wedge(space, self.face_m(k)) {
+            Some(wedge) => self.added_by_edge(&wedge, k, face),
+            // A body that is smaller than the zone has no faces there.
+            None if round == 1.0 => Added::default(),
+            None => return None,
+        };
         let mut ratio = Complex64::ONE;
         if let Some(grazing) = &self.grazing {
-            let round = grazing.most_round(space, k);
             // Twice the pressure at the boundary of the shadow: an edge halves it.
             let creeping = 2.0 * grazing.pressure(space, k, &[face])?;
-            ratio = (1.0 - round) + creeping * round;
-            direct = direct * (1.0 - round) - straight * round;
-            reflected *= 1.0 - round;
-            left *= 1.0 - round;
+            ratio = 1.0 + (creeping - 1.0) * (round * wide);
+            added.direct = added.direct * (1.0 - round) - straight * round;
+            added.ending *= 1.0 - round;
+            added.reflected *= 1.0 - round;
         }
         // At the boundary of the shadow the whole pressure is that behind the edge, times the ratio.
         Some(Added {
-            direct: (direct * (2.0 - ratio) + reflected * ratio) * ends * near,
-            reflected: left * ends * near,
+            direct: (added.direct * (2.0 - ratio) + added.ending * ratio) * strength,
+            ending: Complex64::ZERO,
+            reflected: added.reflected * strength,
         })
+    }
+
+    fn added_by_edge(&self, wedge: &Wedge, k: f64, face: f64) -> Added {
+        let diffracted = wedge.diffracted(k);
+        let mut added = Added {
+            direct: diffracted.direct,
+            ..Added::default()
+        };
+        let shares = wedge.shares_of_direct();
+        for (term, share) in diffracted.reflected.into_iter().zip(shares) {
+            added.ending += face * share * term;
+            added.reflected += face * (1.0 - share * share).sqrt() * term;
+        }
+        added
+    }
+
+    /// Difference in metres between the way over the edge and the straight way.
+    fn detour_m(&self) -> f64 {
+        self.length_m - self.source.distance(self.listener)
+    }
+
+    /// How much the edge counts: 1 on the straight way, 0 at the greatest detour.
+    pub fn nearness(&self) -> f64 {
+        (1.0 - (self.detour_m() / MOST_DETOUR_M).powi(2))
+            .max(0.0)
+            .powi(2)
     }
 
     /// Whether the edge lies on the straight way.
     pub fn touches_the_straight_way(&self) -> bool {
-        self.length_m - self.source.distance(self.listener) < LEAST_DETOUR_M
+        self.detour_m() < LEAST_DETOUR_M
     }
 
     /// Unit vector from the edge to the straight way.

@@ -82,6 +82,34 @@ impl Basin {
         }
     }
 
+    /// The half-planes with strings around the one with the longest, and the index of that one; `None` without strings.
+    pub fn around_longest(detours: &Detours) -> Option<(Basin, usize)> {
+        let known = (0..HALF_PLANES).filter_map(|index| Some((index, detours[index]?)));
+        let (longest, _) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let has_string = |index: usize| detours[index % HALF_PLANES].is_some();
+        let steps = 1..HALF_PLANES;
+        let after = steps
+            .clone()
+            .take_while(|steps| has_string(longest + steps))
+            .count();
+        let steps = steps.take(HALF_PLANES - 1 - after);
+        let before = steps
+            .take_while(|steps| has_string(longest + HALF_PLANES - steps))
+            .count();
+        let basin = Basin {
+            shortest: longest,
+            before,
+            after,
+        };
+        Some((basin, longest))
+    }
+
+    /// Whether both half-planes next to the shortest string have strings.
+    pub fn is_inner(&self, detours: &Detours) -> bool {
+        let beside = [1, HALF_PLANES - 1].map(|step| (self.shortest + step) % HALF_PLANES);
+        beside.iter().all(|index| detours[*index].is_some())
+    }
+
     /// Angle between the shortest half-plane and an azimuth in radians, in steps of half-planes.
     pub fn turns_from(&self, azimuth: f64) -> f64 {
         let turns = azimuth / STEP - self.shortest as f64;

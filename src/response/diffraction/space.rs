@@ -20,6 +20,9 @@ pub(super) trait Space {
     /// A lower bound of the distance from a point to the nearest surface in metres, negative in a solid.
     fn distance(&self, point: DVec3) -> f64;
 
+    /// The number, from 1, of the surface nearest to a point; 0 without surfaces.
+    fn nearest(&self, point: DVec3) -> u32;
+
     /// The surface from `a` on the way to `b`, if one is in the way.
     fn between(&self, a: DVec3, b: DVec3) -> Option<Obstacle> {
         let (direction, length) = (b - a).normalize_and_length();
@@ -44,5 +47,9 @@ impl Space for ExactScene {
 
     fn distance(&self, point: DVec3) -> f64 {
         self.surface_distance(point)
+    }
+
+    fn nearest(&self, point: DVec3) -> u32 {
+        ExactScene::nearest(self, point)
     }
 }

@@ -36,6 +36,9 @@ const RAISED_BEYOND: f64 = 1.5;
 const OVER: f64 = 1e-4;
 const OVER_STEPS: u32 = 12;
 
+/// Foot of the tents beside a free way, as a share of the distance between their ends.
+const MIDDLE: f64 = 0.5;
+
 /// Feet of tents, as shares of the distance between their ends, where no tent over the middle of the solid is free: over
 /// either end, and beyond. They find the way for ends close to a wall, which leaves at a right angle or backwards.
 const FURTHER_FEET: [f64; 4] = [0.0, 1.0, -1.0, 2.0];
@@ -117,6 +120,25 @@ impl TautString {
     }
 }
 
+/// Removes the contacts at which the string does not turn: they lie at most `error_m`, the error of a tent's height, from
+/// the line between their neighbours. A string along a face has such contacts anywhere on it. One contact always stays.
+fn drop_straight(source: DVec3, contacts: &mut Vec<Contact>, listener: DVec3, error_m: f64) {
+    let mut index = 0;
+    while contacts.len() > 1 && index < contacts.len() {
+        let before = index.checked_sub(1).map(|before| contacts[before]);
+        let is_followed = contacts[index].is_followed || before.is_some_and(|c| c.is_followed);
+        let before = before.map_or(source, |contact| contact.point);
+        let after = contacts.get(index + 1);
+        let after = after.map_or(listener, |contact| contact.point);
+        let (along, point) = (after - before, contacts[index].point - before);
+        let height_m = point.reject_from(along).length();
+        match height_m <= 2.0 * error_m && !is_followed {
+            true => drop(contacts.remove(index)),
+            false => index += 1,
+        }
+    }
+}
+
 /// Length of a polyline in metres.
 pub(super) fn length(points: &[DVec3]) -> f64 {
     points.windows(2).map(|leg| leg[0].distance(leg[1])).sum()
@@ -127,6 +149,8 @@ pub(super) struct HalfPlanes {
     source: DVec3,
     listener: DVec3,
     axes: [DVec3; 2],
+    /// Detour in metres up to which strings lead around what is beside the straight way, if that is free.
+    beside_m: f64,
 }
 
 impl HalfPlanes {
@@ -143,7 +167,28 @@ impl HalfPlanes {
             source,
             listener,
             axes: [up, along.cross(up)],
+            beside_m: 0.0,
         })
+    }
+
+    /// The same half-planes. Where the straight way is free, strings lead around the far side of the first obstacle above
+    /// it that blocks a tent with a detour of at most `most_m` metres.
+    pub fn around_what_is_beside(self, most_m: f64) -> HalfPlanes {
+        HalfPlanes {
+            beside_m: most_m,
+            ..self
+        }
+    }
+
+    /// Whether strings lead around what is beside the straight way.
+    pub fn are_beside(&self) -> bool {
+        self.beside_m > 0.0
+    }
+
+    /// Whether an obstacle blocks the straight way, or a tent above it in the half-plane with this index.
+    pub fn is_blocked(&self, space: &impl Space, index: usize) -> bool {
+        let azimuth = index as f64 * STEP;
+        !self.are_beside() || self.beyond(space, azimuth, None, self.beside_m).is_some()
     }
 
     /// Distance between the points in metres.
@@ -181,16 +226,61 @@ impl HalfPlanes {
             error,
             feet,
         };
-        let contacts = plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?;
+        let mut contacts = match self.beside_m > 0.0 {
+            true => self.contacts_beside(&plane)?,
+            false => plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?,
+        };
         if contacts.is_empty() {
             return None;
         }
+        drop_straight(
+            self.source,
+            &mut contacts,
+            self.listener,
+            error * self.apart_m(),
+        );
         Some(TautString {
             source: self.source,
             contacts,
             listener: self.listener,
             azimuth,
         })
+    }
+
+    /// The contacts of the string around the far side of the first obstacle above the straight way.
+    fn contacts_beside(&self, plane: &Plane<impl Space>) -> Option<Vec<Contact>> {
+        let [a, b] = [self.source, self.listener];
+        let tent = |height: f64| self.apex(MIDDLE, height, plane.up);
+        let is_free = |height: f64| {
+            plane.space.is_free(a, tent(height)) && plane.space.is_free(b, tent(height))
+        };
+        let (blocked, _) = self.first_blocked(0.0, self.beside_m, tent, is_free)?;
+        plane.contacts_over(a, b, (&[MIDDLE], blocked), MOST_INNER_DEPTH)
+    }
+
+    /// The apex of a tent; foot and height are shares of the distance between the ends.
+    fn apex(&self, foot: f64, height: f64, up: DVec3) -> DVec3 {
+        self.source.lerp(self.listener, foot) + up * (height * self.apart_m())
+    }
+
+    /// The first of the heights above a free one that is blocked, and the one before it; `None` if all tents up to a
+    /// detour of `most_m` metres are free.
+    fn first_blocked(
+        &self,
+        mut free: f64,
+        most_m: f64,
+        apex: impl Fn(f64) -> DVec3,
+        is_free: impl Fn(f64) -> bool,
+    ) -> Option<(f64, f64)> {
+        let mut height = free.max(0.5 * LOWEST) * RAISED_BEYOND;
+        while self.detour_m(apex(height)) < most_m {
+            if !is_free(height) {
+                return Some((height, free));
+            }
+            free = height;
+            height *= RAISED_BEYOND;
+        }
+        None
     }
 
     /// The strings in evenly spread half-planes, from azimuth 0.
@@ -276,10 +366,9 @@ impl HalfPlanes {
                     .length();
                 (self.share(contact), rise / length)
             }
-            None => (0.5, 0.0),
+            None => (MIDDLE, 0.0),
         };
-        let apex =
-            |height: f64| self.source + along * (foot * length) + plane.up * (height * length);
+        let apex = |height: f64| self.apex(foot, height, plane.up);
         let is_free = |height: f64| {
             space.is_free(self.source, apex(height)) && space.is_free(self.listener, apex(height))
         };
@@ -289,16 +378,9 @@ impl HalfPlanes {
             let steps = (0..OVER_STEPS).map(|step| rise + OVER * f64::from(1 << step));
             free = steps.into_iter().find(|height| is_free(*height))?;
         }
-        let mut height = free.max(0.5 * LOWEST) * RAISED_BEYOND;
-        while self.detour_m(apex(height)) < most_m {
-            if !is_free(height) {
-                let (blocked, _) = bisect(height, free, plane.error, is_free);
-                return Some(plane.touched(self.source, apex(blocked), self.listener));
-            }
-            free = height;
-            height *= RAISED_BEYOND;
-        }
-        None
+        let (blocked, free) = self.first_blocked(free, most_m, apex, is_free)?;
+        let (blocked, _) = bisect(blocked, free, plane.error, is_free);
+        Some(plane.touched(self.source, apex(blocked), self.listener))
     }
 
     /// Place of a point along the line from source to listener, as a share of its length.
@@ -326,18 +408,32 @@ impl<S: Space> Plane<'_, S> {
             return Some(Vec::new());
         };
         let length = a.distance(b);
-        let along = (b - a) / length;
-        let up = self.up.reject_from_normalized(along).try_normalize()?;
         let behind = self.space.between(b, a)?;
         let middle = 0.5 * (at.metres / length + 1.0 - behind.metres / length);
+        let feet = [&[middle], self.feet].concat();
+        self.contacts_over(a, b, (&feet, 0.0), depth)
+    }
+
+    /// The contacts of the taut string from `a` to `b` over what blocks a tent of the height `blocked` over the first of
+    /// these feet.
+    fn contacts_over(
+        &self,
+        a: DVec3,
+        b: DVec3,
+        (feet, blocked): (&[f64], f64),
+        depth: u32,
+    ) -> Option<Vec<Contact>> {
+        let length = a.distance(b);
+        let along = (b - a) / length;
+        let up = self.up.reject_from_normalized(along).try_normalize()?;
         let apex = |foot: f64, height: f64| a + along * (foot * length) + up * (height * length);
         let is_free = |foot: f64, height: f64| {
             let apex = apex(foot, height);
             self.space.is_free(a, apex) && self.space.is_free(b, apex)
         };
-        let mut feet = [middle].into_iter().chain(self.feet.iter().copied());
-        let first = |foot: f64| Some((foot, first_free(|height| is_free(foot, height))?));
-        let (foot, (blocked, free)) = feet.find_map(first)?;
+        let first =
+            |foot: &f64| Some((*foot, first_free(blocked, |height| is_free(*foot, height))?));
+        let (foot, (blocked, free)) = feet.iter().find_map(first)?;
         let is_free = |height: f64| is_free(foot, height);
         let apex = |height: f64| apex(foot, height);
         let (blocked, free) = bisect(blocked, free, self.error, is_free);
@@ -459,10 +555,9 @@ fn follow_ends(contacts: &mut [Contact]) {
     }
 }
 
-/// The first of the rising heights that is free, and the one before it.
-fn first_free(is_free: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
-    let mut blocked = 0.0;
-    let mut height = LOWEST;
+/// The first of the rising heights above a blocked one that is free, and the one before it.
+fn first_free(mut blocked: f64, is_free: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
+    let mut height = LOWEST.max(blocked * RAISED);
     while height <= HIGHEST {
         if is_free(height) {
             return Some((blocked, height));

@@ -173,3 +173,21 @@ fn a_thin_plate_seen_edge_on_leaves_sound() {
         assert!(!paths.is_empty(), "{width} m");
     }
 }
+
+/// Protects a listener at the height of a wall's top: the string along the top has no turns on it.
+#[test]
+fn levels_along_the_top_of_a_wall_are_those_just_below() {
+    let text = "Scene(surfaces: [Surface(shape: Box(size: (0.2, 100, 1000)), position: (0, -50, 0))], \
+                source: Source(position: (-5, -2, 0)), listener: Listener(position: (6, 0, 1), radius: 0.1))";
+    let scene = Scene::from_ron(text, "wall").expect("a scene");
+    let exact = ExactScene::new(&scene).expect("an exact scene");
+    let levels = |height: f64| {
+        let ends = (DVec3::new(-5.0, -2.0, 0.0), DVec3::new(6.0, height, 1.0));
+        let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+        crate::bands::sum(paths.iter().map(|path| &path.energy))
+    };
+    for (along, below) in levels(0.0).into_iter().zip(levels(-1e-3)) {
+        let step_db = 10.0 * (along / below).log10();
+        assert!(step_db.abs() < 0.2, "{step_db} dB");
+    }
+}

@@ -1,22 +1,24 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
+use super::DiffractedPath;
 use super::bend::Bend;
 use super::interference::{self, Sound, THIRDS, band_mean, coherence};
 use super::rim::Rim;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::round::Arc;
 use super::space::Space;
-use super::string::{HalfPlanes, STEP, TautString};
+use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::wedge::behind_screen;
 use crate::bands::{BAND_COUNT, Bands};
-use crate::geometry::ExactScene;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Phase in radians between the longest string around an obstacle and the straight line at which the factors of the ways
-/// count half: a narrower obstacle disturbs the front as a thin screen does.
+/// Phase in radians between the longest string around a closed obstacle and the straight line at which the factors of the
+/// ways count half: a narrower obstacle disturbs the front as a thin screen does. The same for the longer way around an
+/// endless obstacle.
 const NARROW: f64 = 3.0;
+const NARROW_ENDLESS: f64 = 0.2;
 
 /// Turn of the half-plane in radians over which the growth of a string's length is measured.
 const BESIDE: f64 = 0.1;
@@ -29,7 +31,7 @@ const SAME_BASIN: f64 = 3.0;
 /// values of bars; and where a second obstacle is beyond the first, against those of a doorway (`tests/diffraction`).
 const EDGE_ERRORS_DB: Bands = [0.1; BAND_COUNT];
 const ROUND_ERRORS_DB: Bands = [1.7, 1.1, 0.8, 0.8, 1.1, 1.2, 1.4, 1.6];
-const TWO_EDGES_ERRORS_DB: Bands = [3.5, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
+const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
 const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 
 /// The ways around what is between two points.
@@ -41,6 +43,8 @@ pub(super) struct Ways {
     rims: Vec<Rim>,
     /// Distance between the points in metres.
     apart_m: f64,
+    /// Wavelength over 2π in metres at which the factors of the ways count half.
+    pub wide_m: f64,
 }
 
 /// One way, with the half-planes around it.
@@ -52,9 +56,8 @@ pub(super) struct Way {
     lines: Vec<Samples>,
     /// Ways along the surface in each half-plane, if the way has a single turn and that is curved.
     arcs: Vec<Option<Arc>>,
-    /// Difference in metres between the longest string around the obstacle and the straight line: infinite for an endless
-    /// one.
-    longest_m: f64,
+    /// Wavelength over 2π in metres at which the factor of the way counts half: infinite for an obstacle without an end.
+    wide_m: f64,
     /// Curvature across the way, as a share of that along it: 1 on a ball, 0 on a cylinder.
     closed: f64,
     /// Growth of the detour with the square of the tangent of the azimuth, in metres.
@@ -77,9 +80,11 @@ impl Ways {
             add_lines(space, planes, bend, &mut detours);
         }
         let mut bends: Vec<Way> = Vec::new();
-        let longest = detours.iter().map(|detour| detour.unwrap_or(f64::INFINITY));
-        let longest_m = longest.fold(0.0, f64::max);
+        let wide_m = wide_m(space, planes, &detours);
         for basin in Basin::all(&detours) {
+            if planes.are_beside() && !basin.is_inner(&detours) {
+                continue;
+            }
             let turned = |bend: &&Bend| basin.turns_from(bend.azimuth);
             let near = found.iter().min_by(|a, b| turned(a).total_cmp(&turned(b)));
             let Some(bend) = near.filter(|bend| turned(bend) <= SAME_BASIN) else {
@@ -90,9 +95,17 @@ impl Ways {
                 Some(way) => way.own.push(own),
                 None => {
                     let bend = bend.clone().with_brinks(space);
-                    bends.push(Way::of(space, planes, &strings, bend, own, longest_m));
+                    bends.push(Way::of(space, planes, &strings, bend, own, wide_m));
                 }
             }
+        }
+        if planes.are_beside() && bends.is_empty() {
+            bends.extend(Way::around_far_side(
+                space,
+                planes,
+                (&strings, &detours),
+                wide_m,
+            ));
         }
         let lengths = detours.iter().enumerate();
         let lengths = lengths.filter_map(|(index, detour)| Some((index, (*detour)?)));
@@ -102,6 +115,7 @@ impl Ways {
             rims: Rim::all(space, planes, &strings),
             bends,
             apart_m,
+            wide_m,
         }
     }
 
@@ -116,31 +130,71 @@ impl Ways {
         touched.map(|way| way.bend.outwards())
     }
 
+    /// Leaves out the ways and the edges beside them of which no point satisfies the condition.
+    pub fn retain(&mut self, is_kept: impl Fn(DVec3) -> bool) {
+        let is_on = |way: &Way| way.bend.turns.iter().any(|turn| is_kept(turn.middle));
+        self.bends.retain(is_on);
+        self.rims.retain(|rim| is_kept(rim.point()));
+    }
+
+    /// The paths along the ways; `coefficients` are the pressure reflection coefficients of a surface, by its number and
+    /// by band.
+    pub fn paths(
+        &self,
+        space: &impl Space,
+        speed: f64,
+        coefficients: impl Fn(u32) -> Bands,
+    ) -> Vec<DiffractedPath> {
+        let energies = self.energies(space, speed, coefficients);
+        let errors_db = self.errors_db();
+        let paths = self.bends.iter().zip(energies);
+        let path = |(way, energy): (&Way, Bands)| {
+            DiffractedPath::along(&way.bend, space, (energy, errors_db))
+        };
+        paths.filter_map(path).collect()
+    }
+
     /// Energy density at the listener of each way by band, in 1/m² for a source of power 1.
     ///
     /// The energies add up to the energy of the sum of the pressures. Ways that are equally long are one in a band: the
     /// shortest has their energy.
-    pub fn energies(
+    fn energies(
         &self,
-        exact: &ExactScene,
+        space: &impl Space,
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
     ) -> Vec<Bands> {
-        let face = |point: DVec3| coefficients(exact.nearest(point));
+        let faces = self.faces(space, coefficients);
+        let mut energies = vec![[0.0; BAND_COUNT]; self.bends.len()];
+        for band in 0..BAND_COUNT {
+            let faces = Ways::in_band(&faces, band);
+            let own = self.energies_in_band(space, speed, band, &faces);
+            for (energies, energy) in energies.iter_mut().zip(own) {
+                energies[band] = energy / (4.0 * PI * self.apart_m * self.apart_m);
+            }
+        }
+        energies
+    }
+
+    /// The pressure reflection coefficients by band at the turns of each way, and at each edge beside them.
+    pub fn faces(
+        &self,
+        space: &impl Space,
+        coefficients: impl Fn(u32) -> Bands,
+    ) -> Vec<Vec<Bands>> {
+        let face = |point: DVec3| coefficients(space.nearest(point));
         let of_bends = self.bends.iter().map(|way| {
             let turns = way.bend.turns.iter();
             turns.map(|turn| face(turn.middle)).collect()
         });
         let of_rims = self.rims.iter().map(|rim| vec![face(rim.point())]);
-        let faces: Vec<Vec<Bands>> = of_bends.chain(of_rims).collect();
-        let mut energies = vec![[0.0; BAND_COUNT]; self.bends.len()];
-        for band in 0..BAND_COUNT {
-            let in_band = self.in_band(exact, speed, band, &faces);
-            for (energies, energy) in energies.iter_mut().zip(in_band) {
-                energies[band] = energy / (4.0 * PI * self.apart_m * self.apart_m);
-            }
-        }
-        energies
+        of_bends.chain(of_rims).collect()
+    }
+
+    /// The coefficients of one band.
+    pub fn in_band(faces: &[Vec<Bands>], band: usize) -> Vec<Vec<f64>> {
+        let of_one = |faces: &Vec<Bands>| faces.iter().map(|face| face[band]).collect();
+        faces.iter().map(of_one).collect()
     }
 
     /// The sounds of the ways, followed by the sounds of the other edges, relative to the open, for the wave number `k`.
@@ -156,7 +210,7 @@ impl Ways {
         });
         let rims = self.rims.iter().zip(of_rims.iter().flatten());
         let added = rims.filter_map(|(rim, face)| {
-            let added = rim.added(space, k, *face)?;
+            let added = rim.added(space, k, (*face, 1.0))?;
             Some(Sound {
                 pressure: added.direct + added.reflected,
                 length_m: rim.length_m,
@@ -188,12 +242,12 @@ impl Ways {
         })
     }
 
-    fn in_band(
+    fn energies_in_band(
         &self,
-        exact: &ExactScene,
+        space: &impl Space,
         speed: f64,
         band: usize,
-        faces: &[Vec<Bands>],
+        faces: &[Vec<f64>],
     ) -> Vec<f64> {
         let mut own = vec![0.0; self.bends.len()];
         let lengths = self.bends.iter().map(|way| way.bend.length_m);
@@ -201,10 +255,8 @@ impl Ways {
         let Some((shortest, shortest_m)) = shortest else {
             return own;
         };
-        let in_band = |surfaces: &[Bands]| surfaces.iter().map(|face| face[band]).collect();
-        let faces: Vec<Vec<f64>> = faces.iter().map(|faces| in_band(faces)).collect();
         let whole = band_mean(band, speed, |k| {
-            let sounds = self.sounds(exact, k, &faces);
+            let sounds = self.sounds(space, k, faces);
             for (own, sound) in own.iter_mut().zip(&sounds) {
                 // Ways that are equally long are one.
                 let apart = 1.0 - coherence(sound.length_m - shortest_m, k).abs();
@@ -235,7 +287,7 @@ impl Way {
         strings: &[Option<TautString>],
         bend: Bend,
         own: Samples,
-        longest_m: f64,
+        wide_m: f64,
     ) -> Way {
         let arcs = strings
             .iter()
@@ -268,13 +320,32 @@ impl Way {
             own: vec![own],
             arcs,
             lines: all_samples(&lines),
-            longest_m,
+            wide_m,
             growth_m,
             edge_growth_m,
             tube_growth_m: edge_growth_m * width * spread,
             closed,
             bend,
         }
+    }
+
+    /// The ways around the far side of a closed round body beside a free way. They are longest in the middle, and meet
+    /// those over its near side where the half-planes touch it: their sum over the half-planes counts.
+    fn around_far_side(
+        space: &impl Space,
+        planes: &HalfPlanes,
+        (strings, detours): (&[Option<TautString>], &Detours),
+        wide_m: f64,
+    ) -> Option<Way> {
+        let (basin, longest) = Basin::around_longest(detours)?;
+        let bend = Bend::of(space, planes, longest as f64 * STEP)?;
+        let own = basin.samples(detours);
+        let way = Way::of(space, planes, strings, bend, own, wide_m);
+        let is_round = way.closed > 0.0;
+        is_round.then_some(Way {
+            growth_m: way.tube_growth_m,
+            ..way
+        })
     }
 
     /// Pressure at the listener for the wave number `k`, relative to the open at the straight way.
@@ -288,10 +359,7 @@ impl Way {
         let bend = &self.bend;
         let detour_m = bend.length_m - apart_m;
         let product = bend.pressure(space, k, faces)?;
-        let wide = match self.longest_m.is_finite() {
-            true => k * self.longest_m / (k * self.longest_m + NARROW),
-            false => 1.0,
-        };
+        let wide = wideness(k * self.wide_m);
         let screen = |growth_m: f64| behind_screen(k * growth_m);
         let relative = |factor: Complex64| Complex64::ONE + (factor - 1.0) * wide;
         let softness = match faces {
@@ -324,6 +392,31 @@ impl Way {
             sum += round * own.sum::<Complex64>() * focus;
         }
         Some(sum)
+    }
+}
+
+/// The wavelength over 2π in metres at which the factors of the ways around an obstacle with these detours count half;
+/// infinite if a single way leads around what hides the source.
+fn wide_m(space: &impl Space, planes: &HalfPlanes, detours: &Detours) -> f64 {
+    // Beside a free way, a closed body has a string wherever it blocks a tent.
+    let is_around = |index: usize| detours[index].is_some() || !planes.is_blocked(space, index);
+    if (0..HALF_PLANES).all(is_around) {
+        return detours.iter().flatten().copied().fold(0.0, f64::max) / NARROW;
+    }
+    let basins = Basin::all(detours);
+    if basins.len() < 2 && !planes.are_beside() {
+        return f64::INFINITY;
+    }
+    let of_ways = basins.iter().filter_map(|basin| detours[basin.shortest]);
+    of_ways.fold(0.0, f64::max) / NARROW_ENDLESS
+}
+
+/// How much a factor counts, from 0 at a narrow obstacle to 1 at a wide one; `phase` is the wave number times
+/// [`wide_m`].
+pub(super) fn wideness(phase: f64) -> f64 {
+    match phase.is_finite() {
+        true => phase / (phase + 1.0),
+        false => 1.0,
     }
 }
 

@@ -12,7 +12,7 @@ use super::source_sound::{
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::exact_paths::{
-    Candidate, Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex,
+    Candidate, Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath, Vertex,
 };
 use crate::response::{Arrival, Tap};
 use crate::sampling::lattice;
@@ -28,6 +28,8 @@ enum Outcome {
     Path(usize),
     /// No path replaces it: the arrival remains statistical.
     Itself,
+    /// An object hides its reflection at a plane face from the listener's centre: the reflection with this index.
+    Hidden(usize),
     /// No path replaces it, because its path was not searched for.
     LeftOut,
     /// No path replaces it, because its wave was not followed to save time. The energies of the followed waves are
@@ -47,6 +49,8 @@ pub(super) struct EarlyPart {
     paths: Vec<SpecularPath>,
     /// The paths to other points of the listener's sphere, if an object may hide a part of the sphere.
     replaced: Option<Replaced>,
+    /// Reflections at plane faces whose paths an object hides, each face once.
+    hidden: Vec<Vertex>,
     /// The share of the directions of [`FLAT_SEARCH`] that were left out.
     search_left_out_share: f64,
 }
@@ -90,6 +94,7 @@ impl EarlyPart {
             false => 0.0,
         };
         let found = paths.find(&ends, &candidates);
+        let hidden = HiddenReflections::among(&candidates, &found, &paths);
         let (paths_known, index_known) = retain(found.paths, |path| {
             path.is_searched || passing(scene, path, ends.radius_m, waves) >= EXPECTED_WAVES
         });
@@ -104,6 +109,9 @@ impl EarlyPart {
         let of_candidate = |index: usize| match found.outcomes[index] {
             Ok(path) => index_known[path].map_or(Outcome::Itself, Outcome::Path),
             Err(NoPath::LeftOut) => Outcome::LeftOut,
+            Err(NoPath::Blocked) if hidden.of(index).is_some() => {
+                hidden.of(index).map_or(Outcome::Itself, Outcome::Hidden)
+            }
             Err(why) => {
                 let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
                 let is_kept = stands_for_itself(&paths, vertices, why);
@@ -149,6 +157,7 @@ impl EarlyPart {
             waves,
             replaced,
             paths: paths_known,
+            hidden: hidden.reflections,
             search_left_out_share,
         })
     }
@@ -168,10 +177,24 @@ impl EarlyPart {
         self.search_left_out_share
     }
 
+    /// Reflections at plane faces whose paths an object hides, each face once.
+    pub fn hidden_reflections(&self) -> &[Vertex] {
+        &self.hidden
+    }
+
     /// The arrivals that no exact path replaces, and which therefore remain statistical: their surfaces are known only
     /// from samples, or the listener is partly visible but its centre is hidden, or their path was not searched for.
-    pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
-        self.arrivals_of(Outcome::Itself).chain(self.left_out())
+    ///
+    /// Without those of hidden reflections for which `is_bent` holds: diffracted paths replace them.
+    pub fn left_over(&self, is_bent: impl Fn(usize) -> bool) -> impl Iterator<Item = &Arrival> {
+        let all = self.arrivals.iter().zip(&self.outcomes);
+        let is_left = move |outcome: &Outcome| match outcome {
+            Outcome::Itself | Outcome::LeftOut => true,
+            Outcome::Hidden(reflection) => !is_bent(*reflection),
+            _ => false,
+        };
+        all.filter(move |(_, of)| is_left(of))
+            .map(|(arrival, _)| arrival)
     }
 
     /// The remaining arrivals whose path was not searched for.
@@ -189,7 +212,7 @@ impl EarlyPart {
                 (!path.is_focus).then_some((arrival, Some(path)))
             }
             Outcome::Another => Some((arrival, None)),
-            Outcome::Itself | Outcome::LeftOut | Outcome::NotFollowed => None,
+            Outcome::Itself | Outcome::Hidden(_) | Outcome::LeftOut | Outcome::NotFollowed => None,
         })
     }
 
@@ -211,6 +234,7 @@ impl EarlyPart {
             HeardPath {
                 kind,
                 path: path.clone(),
+                reflections: (0..path.points.len()).collect(),
                 delay_s: path.length_m / medium.speed,
                 energy: bands::through_air(&emitted, &medium.air, path.length_m),
                 errors_db: [0.0; BAND_COUNT],
@@ -245,6 +269,51 @@ impl EarlyPart {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter(move |(_, of)| **of == outcome)
             .map(|(arrival, _)| arrival)
+    }
+}
+
+/// The hidden reflections among candidates.
+struct HiddenReflections {
+    reflections: Vec<Vertex>,
+    /// For each candidate, the index of its reflection.
+    of_candidate: Vec<Option<usize>>,
+}
+
+/// Greatest difference between the normals of one plane face.
+const SAME_NORMAL: f64 = 1e-6;
+
+impl HiddenReflections {
+    fn among(candidates: &Candidates, found: &Found, paths: &EarlyPaths) -> HiddenReflections {
+        let mut reflections: Vec<Vertex> = Vec::new();
+        let mut index_of = |vertex: &Vertex| {
+            let is_same = |known: &Vertex| {
+                let height = (known.point - vertex.point).dot(vertex.normal);
+                known.surface == vertex.surface
+                    && known.normal.distance(vertex.normal) <= SAME_NORMAL
+                    && height.abs() <= SAME_NORMAL * known.point.distance(vertex.point).max(1.0)
+            };
+            let known = reflections.iter().position(is_same);
+            known.unwrap_or_else(|| {
+                reflections.push(*vertex);
+                reflections.len() - 1
+            })
+        };
+        let mut of = |index: usize| match (candidates.get(index)?.vertices, &found.outcomes[index])
+        {
+            ([vertex], Err(NoPath::Blocked)) if paths.are_flat(&[*vertex]) => {
+                Some(index_of(vertex))
+            }
+            _ => None,
+        };
+        let of_candidate = (0..candidates.len()).map(&mut of).collect();
+        HiddenReflections {
+            reflections,
+            of_candidate,
+        }
+    }
+
+    fn of(&self, candidate: usize) -> Option<usize> {
+        self.of_candidate[candidate]
     }
 }
 

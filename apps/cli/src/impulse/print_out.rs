@@ -91,6 +91,8 @@ struct PathReport<'a> {
     kind: PathKind,
     /// Number of reflections.
     order: usize,
+    /// The indices in `surfaces` of the surfaces that reflect the path.
+    reflections: &'a [usize],
     /// The surfaces that reflect, diffract or transmit the path, in order.
     surfaces: &'a [u32],
     /// The reflecting walls of rooms: left, right, floor, ceiling, front, back.
@@ -174,10 +176,8 @@ fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
 fn of_path(path: &HeardPath) -> PathReport<'_> {
     PathReport {
         kind: path.kind,
-        order: match path.kind {
-            PathKind::Diffracted | PathKind::Transmitted => 0,
-            _ => path.path.surfaces.len(),
-        },
+        order: path.reflections.len(),
+        reflections: &path.reflections,
         surfaces: &path.path.surfaces,
         walls: wall_names(path).collect(),
         delay_s: path.delay_s,
@@ -261,12 +261,13 @@ impl Row for BandRow {
 fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     let shown = response.paths.iter().take(PATHS_IN_TEXT);
     for path in shown {
-        let surfaces = || surfaces(scene, path).join(", ");
         let over = match path.kind {
             PathKind::Direct => "direct".to_owned(),
-            PathKind::Diffracted => format!("diffracted around {}", surfaces()),
-            PathKind::Transmitted => format!("transmitted through {}", surfaces()),
-            _ => format!("over {}", surfaces()),
+            PathKind::Diffracted => diffracted(&surfaces(scene, path), &path.reflections),
+            PathKind::Transmitted => {
+                format!("transmitted through {}", surfaces(scene, path).join(", "))
+            }
+            _ => format!("over {}", surfaces(scene, path).join(", ")),
         };
         let strength = mean_strength_db(path);
         print::line(&format!(
@@ -280,6 +281,25 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     match response.paths.len().saturating_sub(PATHS_IN_TEXT) {
         0 => Ok(()),
         more => print::line(&format!("  and {more} more exact paths (--json lists all)")),
+    }
+}
+
+/// The way of a diffracted path over these surfaces, which reflect it at the points with these indices.
+fn diffracted(surfaces: &[String], reflections: &[usize]) -> String {
+    let all = surfaces.iter().enumerate();
+    let (reflecting, bending): (Vec<_>, Vec<_>) =
+        all.partition(|(index, _)| reflections.contains(index));
+    let names = |part: Vec<(usize, &String)>| {
+        let names: Vec<&str> = part.iter().map(|(_, name)| name.as_str()).collect();
+        names.join(", ")
+    };
+    match reflecting.is_empty() {
+        true => format!("diffracted around {}", names(bending)),
+        false => format!(
+            "diffracted around {}, over {}",
+            names(bending),
+            names(reflecting)
+        ),
     }
 }
 
