@@ -39,6 +39,7 @@ mod hierarchy;
 mod hollow;
 mod image_source;
 mod marched;
+mod obstacles;
 mod shoebox_energies;
 mod sight;
 #[cfg(test)]

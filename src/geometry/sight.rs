@@ -10,7 +10,6 @@
 //!   is thinner than this step can be missed where it stands on a surface of the same field that the line passes at less
 //!   than the step. The parts of a union are tested one by one, so that none hides another.
 
-use super::exact::ExactScene;
 use super::hollow::Hollow;
 use crate::scene::{Bounds3, Shape};
 use glam::DVec3;
@@ -362,55 +361,6 @@ fn within(bounds: &Bounds3, origin: DVec3, direction: DVec3, until: f64) -> Opti
     (from <= to).then_some((from, to))
 }
 
-impl ExactScene {
-    /// The first surface nearer than `until` metres on the line from `origin` along a unit vector: its distance in metres,
-    /// and its number, from 1.
-    pub(crate) fn first_on_line(
-        &self,
-        origin: DVec3,
-        direction: DVec3,
-        until: f64,
-    ) -> Option<(f64, u32)> {
-        let mut met = None;
-        let mut nearest = until;
-        for hierarchy in &self.hierarchies {
-            hierarchy.along(origin, direction, nearest, |index, until| {
-                let found = self.surfaces[index].enters(origin, direction, self.error_bound, until);
-                // At equal distances, the first surface in the scene is hit.
-                let is_before =
-                    |t: f64| met.is_some_and(|(other, surface)| t == other && index < surface);
-                match found.filter(|t| *t < until || is_before(*t)) {
-                    Some(t) => {
-                        met = Some((t, index));
-                        nearest = t;
-                    }
-                    None => {}
-                }
-                nearest
-            });
-        }
-        met.map(|(t, index)| (t, index as u32 + 1))
-    }
-
-    /// Whether no surface lies between two points.
-    pub(crate) fn is_in_sight(&self, a: DVec3, b: DVec3) -> bool {
-        let (direction, length) = (b - a).normalize_and_length();
-        let mut is_free = true;
-        for hierarchy in &self.hierarchies {
-            hierarchy.along(a, direction, length, |index, until| {
-                let surface = &self.surfaces[index];
-                let meets = |until: f64| surface.enters(a, direction, self.error_bound, until);
-                is_free = is_free && meets(length).is_none_or(|t| t >= length);
-                match is_free {
-                    true => until,
-                    false => f64::NEG_INFINITY,
-                }
-            });
-        }
-        is_free
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::marched::MarchedField;
@@ -424,7 +374,7 @@ mod tests {
     /// Lines that start in the air beside a field: at random, and past a point near the surface.
     fn lines(entry: &Entry, random: &mut Random) -> Vec<(DVec3, DVec3)> {
         let mut place = || 2.0 * entry.reach() * random.unit() * random.direction();
-        let places: Vec<DVec3> = std::iter::repeat_with(|| place()).take(400).collect();
+        let places: Vec<DVec3> = std::iter::repeat_with(&mut place).take(400).collect();
         let mut all = Vec::new();
         for pair in places.windows(2) {
             let aim = match all.len() % 2 {

@@ -58,6 +58,9 @@ const APART: f64 = 0.1;
 /// alone.
 const ONE_CONTACT: f64 = 1e-6;
 
+/// Greatest distance between two contacts that can be one, as a share of the distance between the ends.
+const TOGETHER: f64 = 1e-3;
+
 /// Greatest length of a rounded edge, as a share of the distance to the next edge, that is not resolved by a profile.
 const ROUNDED: f64 = 0.02;
 
@@ -445,7 +448,8 @@ impl<S: Space> Plane<'_, S> {
         let [first, last] = lowered.contacts[..] else {
             return Some(lowered.contacts.into_iter().map(Contact::at).collect());
         };
-        if height_over([first, last], lowered.apex) < ONE_CONTACT * length {
+        let is_flat = height_over([first, last], lowered.apex) < ONE_CONTACT * length;
+        if is_flat && first.distance(last) < TOGETHER * length {
             return Some(vec![Contact::at(0.5 * (first + last))]);
         }
         // The line between the contacts lies on the solid: it is lifted by the error of the contacts.
