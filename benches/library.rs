@@ -12,7 +12,7 @@
 use divan::{Bencher, black_box};
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::Vec3;
-use echomarch::response::{Response, ResponseSettings};
+use echomarch::response::{Response, ResponseSettings, diffracted};
 use echomarch::scene::{Material, shape::Room};
 use echomarch::{Error, Listener, Scene, Settings, Source, Surface, Tracer};
 
@@ -66,6 +66,44 @@ fn response_of_a_shoebox(bencher: Bencher) {
     let mut tracer = tracer().expect("a renderer");
     Response::trace(&mut tracer, &scene, &settings).expect("a first response");
     bencher.bench_local(|| Response::trace(&mut tracer, black_box(&scene), &settings));
+}
+
+/// A source 3 m before a body and a listener 3 m behind it, hidden or in sight, and a hidden pair of the cave.
+#[divan::bench(args = [
+    "Box(size: (1, 2, 3))",
+    "Sphere(radius: 1)",
+    "Cone(radius: 1, height: 2)",
+    "Torus(ring: 1, tube: 0.4)",
+    "Ellipsoid(radii: (1, 1, 1))",
+    "SmoothUnion(of: [Box(size: (1, 2, 3)), Translate(of: Box(size: (1, 1, 1)), by: (0.5, 0.8, 0.3))], radius: 0.3)",
+    "cave",
+])]
+fn diffraction_of_a_hidden_pair(bencher: Bencher, shape: &str) {
+    let mut scene = match shape {
+        "cave" => Scene::builtin(shape).expect("a built-in scene"),
+        _ => behind(shape, Vec3::new(3.0, -0.1, 0.3)),
+    };
+    if shape == "cave" {
+        scene.listeners[0].position = Vec3::new(9.5, 0.0, 2.0);
+    }
+    bencher.bench_local(|| diffracted(black_box(&scene)));
+}
+
+#[divan::bench(args = ["Box(size: (1, 2, 3))", "Sphere(radius: 1)", "Torus(ring: 1, tube: 0.4)"])]
+fn diffraction_of_a_pair_in_sight(bencher: Bencher, shape: &str) {
+    let scene = behind(shape, Vec3::new(-2.5, 2.6, 1.0));
+    bencher.bench_local(|| diffracted(black_box(&scene)));
+}
+
+/// A body at the origin, with a source beside it.
+fn behind(shape: &str, listener: Vec3) -> Scene {
+    let text = format!(
+        "Scene(surfaces: [Surface(shape: {shape})], source: Source(position: (-3, 0.2, 0.1)), \
+         listener: Listener(position: (0, 0, 0), radius: 0.1))"
+    );
+    let mut scene = Scene::from_ron(&text, "body").expect("a scene");
+    scene.listeners[0].position = listener;
+    scene
 }
 
 /// The room of docs/acoustics.md: 8 × 3 × 5 m, absorption 0.2.

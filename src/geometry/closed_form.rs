@@ -262,6 +262,23 @@ impl Placed {
         intersection.filter(|intersection| intersection.t.is_finite())
     }
 
+    /// Distance in metres to the first solid on a line of sight in world axes, from the air; `None` if there is none within
+    /// `until` metres.
+    pub fn enters(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        error_bound: f64,
+        until: f64,
+    ) -> Option<f64> {
+        if let Form::Field(ref field) = self.form {
+            let (o, d) = (self.local(origin - self.position), self.local(direction));
+            return field.enters(o, d, until);
+        }
+        let found = self.intersect(origin, direction, None, error_bound, until);
+        found.map(|found| found.t)
+    }
+
     /// The world point of an intersection, projected onto the surface, and the unit normal there, which points out of
     /// the solid.
     pub fn project(

@@ -5,8 +5,10 @@
 //! times the extent of the field. A point with such a small value is a hit only if the line enters the solid there. A
 //! line that leaves the surface continues by steps of at least [`LEAST_STEP`].
 
+use super::sight::SightPart;
 use crate::scene::{Bounds3, Shape};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// Maximum value at a point on the surface, as a share of the extent.
 const TOUCH: f64 = 1e-12;
@@ -37,6 +39,8 @@ pub(super) struct MarchedField {
     extent: f64,
     bounds: Bounds3,
     convex: bool,
+    /// The parts for lines of sight, made at the first of them.
+    parts: OnceLock<Vec<SightPart>>,
 }
 
 impl MarchedField {
@@ -50,6 +54,7 @@ impl MarchedField {
             extent,
             bounds: properties.bounds,
             convex: properties.convex,
+            parts: OnceLock::new(),
         }
     }
 
@@ -96,6 +101,18 @@ impl MarchedField {
             }
         }
         None
+    }
+
+    /// Distance in metres to the first solid on a line of sight along the unit vector `d` from `o`. `None` if there is none
+    /// within `until` metres.
+    pub fn enters(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
+        let until = until.min(FAR * self.extent);
+        let parts = self.parts.get_or_init(|| SightPart::all(&self.field));
+        let mut nearest = None;
+        for part in parts {
+            nearest = part.enters(o, d, nearest.unwrap_or(until)).or(nearest);
+        }
+        nearest
     }
 
     fn goes_in(&self, p: DVec3, d: DVec3) -> bool {

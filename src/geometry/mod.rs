@@ -36,9 +36,12 @@ mod chords;
 mod closed_form;
 mod exact;
 mod hierarchy;
+mod hollow;
 mod image_source;
 mod marched;
+mod obstacles;
 mod shoebox_energies;
+mod sight;
 #[cfg(test)]
 pub(crate) mod tests;
 

@@ -7,7 +7,7 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath, Vertex};
 use crate::response::{ResponseSettings, Tap};
-use crate::scene::{Pair, Scene};
+use crate::scene::{IntoPair, Pair, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -97,6 +97,25 @@ impl Hidden {
         let reflected = self.reflected.into_iter().flat_map(|bent| bent.paths);
         self.around.into_iter().chain(reflected).chain(self.through)
     }
+}
+
+/// What diffraction does to the direct sound of a pair: the paths around what hides the source, and the energy of the
+/// direct sound by band, relative to that in the open. No paths if the pair is in sight, or an end lies in a solid.
+///
+/// # Errors
+/// The errors of [`Scene::validate`].
+#[doc(hidden)]
+pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands), Error> {
+    let pair = pair.chosen()?;
+    let medium = Medium::of(pair);
+    let obstacles = Obstacles::of(pair, &medium)?;
+    let around = obstacles.paths_around();
+    let faces = |surface: u32| pressure_reflection(pair.scene, surface);
+    let beside = match obstacles.ends.filter(|_| around.is_empty()) {
+        Some(ends) => diffraction::beside(obstacles.early.exact(), ends, medium.speed, faces),
+        None => [0.0; BAND_COUNT],
+    };
+    Ok((around, beside))
 }
 
 /// The surfaces between the source and the listener of a pair.

@@ -65,6 +65,8 @@ pub(crate) use error::check_taps;
 pub use figures::{BandFigures, Figures};
 pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
 pub use heard_source::{HeardKind, HeardSource};
+#[doc(hidden)]
+pub use hidden::diffracted;
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};
 pub use settings::ResponseSettings;

@@ -8,10 +8,10 @@ use echomarch::{Scene, Settings, Tracer};
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-const BANDS_HZ: [f64; 8] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e3, 8e3];
-const SPEED: f64 = 343.0;
+pub const BANDS_HZ: [f64; 8] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e3, 8e3];
+pub const SPEED: f64 = 343.0;
 
-fn tracer() -> Tracer {
+pub fn tracer() -> Tracer {
     let context = Context::headless(&Default::default()).expect("a context");
     Tracer::new(&context).expect("a tracer")
 }

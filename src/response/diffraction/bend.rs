@@ -31,6 +31,9 @@ const ROUND_TOUCH: f64 = 0.1;
 /// Angle in radians of a turn that only touches a surface.
 const GRAZING: f64 = 1e-3;
 
+/// Greatest length of a rounding, as a share of the shorter leg, over whose line a way goes on where no string is found.
+const NARROW: f64 = 0.1;
+
 /// Distance over which curvature is measured, as a share of the radius along the way.
 const ACROSS: f64 = 0.03;
 
@@ -184,12 +187,25 @@ impl Bend {
         self.is_sharp() && self.brinks == [None; 2]
     }
 
+    /// Whether all turns are at edges, or at roundings that are much smaller than the legs.
+    fn is_narrow(&self) -> bool {
+        let turns = self.turns.iter().enumerate();
+        turns
+            .into_iter()
+            .all(|(index, turn)| turn.arc_m <= NARROW * shorter_leg(&self.points, index + 1))
+    }
+
     /// Whether all edges lie on surfaces, and the legs are free.
     fn is_on_solid(&self, space: &impl Space) -> bool {
+        self.is_within(space, 0.0)
+    }
+
+    /// Whether all edges lie within `height` metres of surfaces, and the legs are free.
+    fn is_within(&self, space: &impl Space, height: f64) -> bool {
         let error = ON_SURFACE * self.length_m;
         self.turns
             .iter()
-            .all(|turn| space.distance(turn.apex).abs() <= error)
+            .all(|turn| space.distance(turn.apex).abs() <= error + height)
             && self.is_free(space, error)
     }
 
@@ -457,12 +473,15 @@ impl Bend {
     ) -> bool {
         let Some(points) = self
             .points_on_lines(planes, azimuth)
-            .filter(|_| self.is_sharp())
+            .filter(|_| self.is_narrow())
         else {
             return false;
         };
+        // The legs before and after a rounding meet above it, higher where they turn more.
+        let heights = self.turns.iter().map(|turn| space.distance(turn.apex));
+        let height = 2.0 * heights.fold(0.0, f64::max);
         let moved = self.clone().moved_to(points);
-        moved.is_on_solid(space)
+        moved.is_within(space, height)
     }
 
     /// Source, the points on the lines of the edges in the half-plane of an azimuth, listener.
@@ -556,16 +575,17 @@ fn turns_of(space: &impl Space, string: &TautString) -> Vec<Turn> {
 /// A turn with the curvature of the surface, where the string touches a round body so little that it has one contact.
 /// `legs` are the turn and the points before and after it.
 fn on_surface(space: &impl Space, turn: &Turn, legs: &[DVec3]) -> Turn {
-    let step = TOUCH
-        * legs[0]
-            .distance(turn.middle)
-            .min(legs[2].distance(turn.middle));
+    let shorter = legs[0]
+        .distance(turn.middle)
+        .min(legs[2].distance(turn.middle));
+    let step = TOUCH * shorter;
     let along = (legs[2] - legs[0]).normalize_or_zero();
     if turn.arc_m > 0.0 || step == 0.0 {
         return *turn;
     }
     let curvature = curvature(space, turn.middle, along, step);
-    let is_round = curvature > 0.0 && curvature * step < ROUND_TOUCH;
+    // An arc is shorter than the legs: a contact on a plane has a curvature by rounding alone.
+    let is_round = curvature * shorter > turn.angle && curvature * step < ROUND_TOUCH;
     match is_round {
         true => turn.with_radius(1.0 / curvature),
         false => *turn,

@@ -37,11 +37,12 @@ pub(super) trait Space {
 
 impl Space for ExactScene {
     fn first(&self, origin: DVec3, direction: DVec3, until: f64) -> Option<Obstacle> {
-        let hit = self.first_surface(origin, direction, None, until)?;
-        Some(Obstacle {
-            metres: hit.t,
-            surface: hit.object,
-        })
+        let (metres, surface) = self.first_on_line(origin, direction, until)?;
+        Some(Obstacle { metres, surface })
+    }
+
+    fn is_free(&self, a: DVec3, b: DVec3) -> bool {
+        self.is_in_sight(a, b)
     }
 
     fn distance(&self, point: DVec3) -> f64 {

@@ -53,6 +53,14 @@ const FINE: f64 = 1e-8;
 /// are one contact: a leg that dips into a smooth solid by the error is in it for a length that grows with the root.
 const APART: f64 = 0.1;
 
+/// Height of the point where the legs meet over two contacts, as a share of the distance between the ends, up to which both
+/// are one contact. The profile between them begins 4e-8 of the distance above them, and would show a part of a rounding
+/// alone.
+const ONE_CONTACT: f64 = 1e-6;
+
+/// Greatest distance between two contacts that can be one, as a share of the distance between the ends.
+const TOGETHER: f64 = 1e-3;
+
 /// Greatest length of a rounded edge, as a share of the distance to the next edge, that is not resolved by a profile.
 const ROUNDED: f64 = 0.02;
 
@@ -440,6 +448,10 @@ impl<S: Space> Plane<'_, S> {
         let [first, last] = lowered.contacts[..] else {
             return Some(lowered.contacts.into_iter().map(Contact::at).collect());
         };
+        let is_flat = height_over([first, last], lowered.apex) < ONE_CONTACT * length;
+        if is_flat && first.distance(last) < TOGETHER * length {
+            return Some(vec![Contact::at(0.5 * (first + last))]);
+        }
         // The line between the contacts lies on the solid: it is lifted by the error of the contacts.
         let lift = up * (4.0 * self.error * length);
         let profile = Profile::cast(
@@ -526,6 +538,12 @@ impl Lowered {
         self.contacts.reverse();
         self
     }
+}
+
+/// Height in metres of a point over the line through two others.
+fn height_over([a, b]: [DVec3; 2], point: DVec3) -> f64 {
+    let line = (b - a).normalize_or_zero();
+    (point - a).reject_from(line).length()
 }
 
 /// Lets the string follow the surface next to its first and last contact if another contact is much nearer to them than

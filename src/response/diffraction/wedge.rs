@@ -95,7 +95,9 @@ impl Wedge {
     /// The diffracted pressure for the wave number `k`, in rad/m.
     pub fn diffracted(&self, k: f64) -> Diffracted {
         let (source, receiver) = (self.source_angle, self.receiver_angle);
-        let term = |angle: f64| self.term(k, angle);
+        let places = NODES.map(|node| self.place(k, node));
+        let phase = Complex64::cis(k * (self.length_m() - self.apart_m()));
+        let term = |angle: f64| self.term(k, angle, &places) * phase;
         Diffracted {
             direct: term(PI + receiver - source) + term(PI - receiver + source),
             reflected: [term(PI - receiver - source), term(PI + receiver + source)],
@@ -128,41 +130,63 @@ impl Wedge {
         ((s - r).powi(2) + z * z + 4.0 * s * r * half * half).sqrt()
     }
 
-    /// One of the four integrals, at φ = `angle`.
-    fn term(&self, k: f64, angle: f64) -> Complex64 {
+    /// The parts of the integrand at a node that are the same for all four integrals.
+    fn place(&self, k: f64, (t, weight): (f64, f64)) -> Place {
         let i = Complex64::i();
-        let index = PI / self.air_angle;
-        let q = reduced(angle, self.air_angle);
-        let length = self.length_m();
-        let apart = self.apart_m();
         let product = 2.0 * self.source_m * self.receiver_m;
+        let descent = i * (t * t / k);
+        // cosh η − 1
+        let over = (2.0 * self.length_m() + descent) * descent / product;
+        // η = 2 asinh √((cosh η − 1)/2), on the branch with a positive real part.
+        let half = (0.5 * over).sqrt();
+        let root = (half * half + 1.0).sqrt();
+        let eta = 2.0 * (half + root).ln();
+        let sinh = 2.0 * half * root;
+        Place {
+            t,
+            weight,
+            cosh: (self.index() * eta).cosh(),
+            step: 4.0 * i * t / (k * product * sinh),
+        }
+    }
+
+    /// ν = π/θw.
+    fn index(&self) -> f64 {
+        PI / self.air_angle
+    }
+
+    /// One of the four integrals, at φ = `angle`, without the phase of the way over the edge.
+    fn term(&self, k: f64, angle: f64, places: &[Place]) -> Complex64 {
+        let index = self.index();
+        let q = reduced(angle, self.air_angle);
+        let apart = self.apart_m();
         // The pole, as a length: that of the mirror image whose shadow boundary is at q = 0.
         let image = self.image_m(PI - q);
         let pole = (q.abs() < POLE_RANGE).then(|| Pole {
-            x: (k * (length - image)).max(0.0).sqrt(),
+            x: (k * (self.length_m() - image)).max(0.0).sqrt(),
             strength: -q.signum_at_zero() * 0.5 * apart / image,
         });
         let (sine, cosine) = (index * q).sin_cos();
+        let scale = -index / (2.0 * PI) * apart;
         let mut rest = Complex64::ZERO;
-        for (t, weight) in NODES {
-            let descent = i * (t * t / k);
-            // cosh η − 1
-            let over = (2.0 * length + descent) * descent / product;
-            // η = 2 asinh √((cosh η − 1)/2), on the branch with a positive real part.
-            let half = (0.5 * over).sqrt();
-            let eta = 2.0 * (half + (half * half + 1.0).sqrt()).ln();
-            let sinh = 2.0 * half * (half * half + 1.0).sqrt();
-            let kernel = sine / ((index * eta).cosh() - cosine);
-            let step = 4.0 * i * t / (k * product * sinh);
-            let whole = -index / (2.0 * PI) * apart * kernel * step;
-            let singular = pole
-                .as_ref()
-                .map_or(Complex64::ZERO, |pole| pole.integrand(t));
-            rest += weight * (whole - singular);
+        for place in places {
+            let whole = scale * (sine / (place.cosh - cosine)) * place.step;
+            let singular = pole.as_ref().map(|pole| pole.integrand(place.t));
+            rest += place.weight * (whole - singular.unwrap_or_default());
         }
-        let whole = rest + pole.map_or(Complex64::ZERO, |pole| pole.integral());
-        whole * (i * k * (length - apart)).exp()
+        rest + pole.map_or(Complex64::ZERO, |pole| pole.integral())
     }
+}
+
+/// The parts of the integrand at a node of the quadrature that do not depend on φ.
+struct Place {
+    /// The node, and its weight.
+    t: f64,
+    weight: f64,
+    /// cosh νη.
+    cosh: Complex64,
+    /// dη/dt, divided by the length.
+    step: Complex64,
 }
 
 /// The part of an integral that is singular at a shadow boundary.

@@ -196,6 +196,24 @@ impl Shape {
         holds(self.node.part()) && self.children.iter().all(|child| child.all_parts(holds))
     }
 
+    /// The solids whose union is the solid of the tree: the children of a union, or the tree itself.
+    pub(crate) fn united(&self) -> Vec<&Shape> {
+        match self.node {
+            Node::Union(_) => self.children.iter().flat_map(Shape::united).collect(),
+            _ => vec![self],
+        }
+    }
+
+    /// Whether the value is known to be a convex function in the air: the distance to a convex solid is one, and so is the
+    /// maximum of convex functions.
+    pub(crate) fn has_convex_value(&self) -> bool {
+        if let Node::Intersection(_) = self.node {
+            return self.children.iter().all(Shape::has_convex_value);
+        }
+        let properties = self.properties();
+        properties.convex && properties.in_air == Exactness::Exact
+    }
+
     /// The tree, unless it is a [basic](Shape::is_basic) shape.
     #[doc(hidden)]
     pub fn field(&self) -> Option<&Shape> {
