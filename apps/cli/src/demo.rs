@@ -24,6 +24,7 @@ Examples:
   echomarch demo
   echomarch demo open-field --sound drum.wav --profile march
   echomarch demo my.ron --set door=60 --waves 262144
+  echomarch demo corner --diffraction --least-level -30
   echomarch demo corner --seconds 10 --screenshot demo.png --json
 
 F1 in the window lists the keys. Scene files and WAV files can be dropped on it.
