@@ -4,7 +4,7 @@ use super::brink::Brink;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m, shorten};
 use super::round::Arc;
 use super::space::Space;
-use super::string::{self, HalfPlanes, TautString};
+use super::string::{self, FINE, HalfPlanes, TautString};
 use super::turn::Turn;
 use super::wedge::{Wedge, shadow_function};
 use glam::DVec3;
@@ -27,6 +27,9 @@ const TOUCH: f64 = 1e-3;
 
 /// Greatest curvature of a round body, times that distance: an edge of 340° or less has more.
 const ROUND_TOUCH: f64 = 0.1;
+
+/// Least distance over which curvature is measured, in errors of a contact: at an edge, a shorter one may lie on one face.
+const CONTACT_ERRORS: f64 = 30.0;
 
 /// Angle in radians of a turn that only touches a surface.
 const GRAZING: f64 = 1e-3;
@@ -144,10 +147,11 @@ impl Bend {
             .chain(apexes)
             .chain([string.listener])
             .collect();
+        let least_m = least_curvature_step_m(planes.apart_m());
         let legs = points.windows(3);
         let turns = turns.iter().zip(legs);
         let turns = turns
-            .map(|(turn, legs)| on_surface(space, turn, legs))
+            .map(|(turn, legs)| on_surface(space, turn, legs, least_m))
             .collect();
         Some(Bend {
             points,
@@ -565,22 +569,29 @@ fn turns_of(space: &impl Space, string: &TautString) -> Vec<Turn> {
     }
     let middle = turns[turns.len() / 2].middle;
     let touch = Turn::along(string.source, &[middle], string.listener);
-    let touch = on_surface(space, &touch, &[string.source, middle, string.listener]);
+    let least_m = least_curvature_step_m(string.source.distance(string.listener));
+    let ends = [string.source, middle, string.listener];
+    let touch = on_surface(space, &touch, &ends, least_m);
     match touch.arc_m > 0.0 {
         true => vec![touch],
         false => turns,
     }
 }
 
+/// Least distance in metres over which curvature is measured at a contact, for ends `apart_m` metres apart.
+fn least_curvature_step_m(apart_m: f64) -> f64 {
+    CONTACT_ERRORS * FINE * apart_m
+}
+
 /// A turn with the curvature of the surface, where the string touches a round body so little that it has one contact.
 /// `legs` are the turn and the points before and after it.
-fn on_surface(space: &impl Space, turn: &Turn, legs: &[DVec3]) -> Turn {
+fn on_surface(space: &impl Space, turn: &Turn, legs: &[DVec3], least_m: f64) -> Turn {
     let shorter = legs[0]
         .distance(turn.middle)
         .min(legs[2].distance(turn.middle));
     let step = TOUCH * shorter;
     let along = (legs[2] - legs[0]).normalize_or_zero();
-    if turn.arc_m > 0.0 || step == 0.0 {
+    if turn.arc_m > 0.0 || step < least_m {
         return *turn;
     }
     let curvature = curvature(space, turn.middle, along, step);

@@ -47,7 +47,7 @@ const FURTHER_FEET: [f64; 4] = [0.0, 1.0, -1.0, 2.0];
 /// a string's phase is below 0.01 rad at 8 kHz and 10 m.
 const COARSE: f64 = 1e-5;
 /// Error of a tent's height as a share of the distance between its ends: 1 µm at 100 m.
-const FINE: f64 = 1e-8;
+pub(super) const FINE: f64 = 1e-8;
 
 /// Contacts nearer to each other than this share of the distance between the ends, times the square root of the error,
 /// are one contact: a leg that dips into a smooth solid by the error is in it for a length that grows with the root.

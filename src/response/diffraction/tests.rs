@@ -191,3 +191,26 @@ fn levels_along_the_top_of_a_wall_are_those_just_below() {
         assert!(step_db.abs() < 0.2, "{step_db} dB");
     }
 }
+
+/// Protects a wall of 0.1 mm, whose two edges are nearer to each other than curvature can be measured: they are edges at
+/// every height of the listener.
+#[test]
+fn levels_behind_a_thin_wall_change_slowly() {
+    let text = "Scene(surfaces: [Surface(shape: Box(size: (0.0001, 2000, 2000)), position: (0, -1000, 0))], \
+                source: Source(position: (-3, -1, 0)), listener: Listener(position: (4, 0, 0), radius: 0.1))";
+    let scene = Scene::from_ron(text, "thin").expect("a scene");
+    let exact = ExactScene::new(&scene).expect("an exact scene");
+    let levels = |step: usize| {
+        let height = -0.5 + 0.001 * step as f64;
+        let ends = (DVec3::new(-3.0, -1.0, 0.0), DVec3::new(4.0, height, 0.0));
+        let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+        crate::bands::sum(paths.iter().map(|path| &path.energy))
+    };
+    let all: Vec<_> = (0..300).map(levels).collect();
+    for two in all.windows(2) {
+        for (before, after) in two[0].into_iter().zip(two[1]) {
+            let step_db = 10.0 * (after / before).log10();
+            assert!(step_db.abs() < 0.05, "{step_db} dB");
+        }
+    }
+}

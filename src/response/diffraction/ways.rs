@@ -80,7 +80,7 @@ impl Ways {
             add_lines(space, planes, bend, &mut detours);
         }
         let mut bends: Vec<Way> = Vec::new();
-        let wide_m = wide_m(space, planes, &detours);
+        let wide_m = wide_m(space, planes, (&strings, &detours));
         for basin in Basin::all(&detours) {
             if planes.are_beside() && !basin.is_inner(&detours) {
                 continue;
@@ -397,9 +397,13 @@ impl Way {
 
 /// The wavelength over 2π in metres at which the factors of the ways around an obstacle with these detours count half;
 /// infinite if a single way leads around what hides the source.
-fn wide_m(space: &impl Space, planes: &HalfPlanes, detours: &Detours) -> f64 {
+fn wide_m(
+    space: &impl Space,
+    planes: &HalfPlanes,
+    (strings, detours): (&[Option<TautString>], &Detours),
+) -> f64 {
     // Beside a free way, a closed body has a string wherever it blocks a tent.
-    let is_around = |index: usize| detours[index].is_some() || !planes.is_blocked(space, index);
+    let is_around = |index: usize| strings[index].is_some() || !planes.is_blocked(space, index);
     if (0..HALF_PLANES).all(is_around) {
         return detours.iter().flatten().copied().fold(0.0, f64::max) / NARROW;
     }
