@@ -1,4 +1,4 @@
-"""Draws lines over two logarithmic axes as SVG: panels in rows, with one legend."""
+"""Draws lines over two axes as SVG: panels in rows, with one legend."""
 
 import math
 from html import escape
@@ -8,8 +8,9 @@ STROKES = [("#d55e00", 4), ("#0072b2", 3), ("#00a878", 2), ("#e69f00", 2)]
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 400, 330, 62, 52, 44, 16
 
 
-def svg(title, panels, columns):
-    """A panel is (caption, name of x, name of y, {name of a line: [(x, y), …]})."""
+def svg(title, panels, columns, scale=None):
+    """A panel is (caption, name of x, name of y, {name of a line: [(x, y), …]}). Axes are logarithmic unless `scale` is
+    `Linear`."""
     width = WIDTH * min(columns, len(panels))
     below = 24 + HEIGHT * math.ceil(len(panels) / columns)
     parts = [
@@ -20,7 +21,7 @@ def svg(title, panels, columns):
     ]
     for index, panel in enumerate(panels):
         row, column = divmod(index, columns)
-        parts += [f'<g transform="translate({column * WIDTH} {24 + row * HEIGHT})">', *draw(*panel), "</g>"]
+        parts += [f'<g transform="translate({column * WIDTH} {24 + row * HEIGHT})">', *draw(*panel, scale or Logarithmic), "</g>"]
     names = list(dict.fromkeys(name for panel in panels for name in panel[3]))
     for index, name in enumerate(names):
         x, y = LEFT + 120 * index, below + 12
@@ -30,19 +31,19 @@ def svg(title, panels, columns):
     return "\n".join([*parts, "</svg>", ""])
 
 
-def draw(caption, x_name, y_name, lines):
+def draw(caption, x_name, y_name, lines, scale):
     points = [point for line in lines.values() for point in line]
-    x_axis = Axis([x for x, _ in points], LEFT, WIDTH - RIGHT)
-    y_axis = Axis([y for _, y in points], HEIGHT - BOTTOM, TOP)
+    x_axis = scale([x for x, _ in points], LEFT, WIDTH - RIGHT)
+    y_axis = scale([y for _, y in points], HEIGHT - BOTTOM, TOP)
     yield text(WIDTH / 2, TOP - 12, caption, size=14)
-    for power in x_axis.powers():
-        x = x_axis.place(10.0**power)
+    for value, name in x_axis.ticks():
+        x = x_axis.place(value)
         yield grid(x, TOP, x, HEIGHT - BOTTOM)
-        yield text(x, HEIGHT - BOTTOM + 18, power_of_ten(power))
-    for power in y_axis.powers():
-        y = y_axis.place(10.0**power)
+        yield text(x, HEIGHT - BOTTOM + 18, name)
+    for value, name in y_axis.ticks():
+        y = y_axis.place(value)
         yield grid(LEFT, y, WIDTH - RIGHT, y)
-        yield text(LEFT - 8, y + 4, power_of_ten(power), anchor="end")
+        yield text(LEFT - 8, y + 4, name, anchor="end")
     yield text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 12, x_name)
     middle = (TOP + HEIGHT - BOTTOM) / 2
     yield f'<g transform="translate(16 {middle}) rotate(-90)">{text(0, 0, y_name)}</g>'
@@ -52,7 +53,7 @@ def draw(caption, x_name, y_name, lines):
         yield from (dot(place, colour, width) for place in places)
 
 
-class Axis:
+class Logarithmic:
     """A logarithmic scale of whole decades around the values, from a first to a last pixel."""
 
     def __init__(self, values, start, end):
@@ -64,8 +65,31 @@ class Axis:
         share = (math.log10(value) - self.low) / (self.high - self.low)
         return self.start + share * (self.end - self.start)
 
-    def powers(self):
-        return range(self.low, self.high + 1)
+    def ticks(self):
+        powers = range(self.low, self.high + 1)
+        return [(10.0**power, power_of_ten(power)) for power in powers]
+
+
+class Linear:
+    """A linear scale of round steps around the values, from a first to a last pixel."""
+
+    MOST_STEPS = 8
+
+    def __init__(self, values, start, end):
+        width = (max(values) - min(values)) / self.MOST_STEPS or 1.0
+        power = 10.0 ** math.floor(math.log10(width))
+        self.step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= width)
+        self.low = math.floor(min(values) / self.step)
+        self.high = max(math.ceil(max(values) / self.step), self.low + 1)
+        self.start, self.end = start, end
+
+    def place(self, value):
+        share = (value / self.step - self.low) / (self.high - self.low)
+        return self.start + share * (self.end - self.start)
+
+    def ticks(self):
+        values = [self.step * step for step in range(self.low, self.high + 1)]
+        return [(value, f"{value:g}".replace("-", "−")) for value in values]
 
 
 def dot(place, colour, width):
