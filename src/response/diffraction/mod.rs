@@ -19,7 +19,7 @@
 //! perceives a surface, half a Fresnel zone: a rounding, or a step, that is smaller than that does not count.
 //!
 //! # Cost
-//! Some 1,800 to 7,400 lines of sight if the source is hidden: milliseconds on one core. If it is not, some 30 for each
+//! Some 2,000 to 7,500 lines of sight if the source is hidden: milliseconds on one core. If it is not, some 30 for each
 //! half-plane, for the edges beside the way, and further ones around each edge that is found.
 
 mod bend;
