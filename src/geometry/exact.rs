@@ -194,6 +194,13 @@ impl ExactScene {
         distances.fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether a world point is within `error_m` metres of the surface with this number, from 1.
+    pub(crate) fn is_on(&self, surface: u32, point: DVec3, error_m: f64) -> bool {
+        let index = (surface as usize).wrapping_sub(1);
+        let surface = self.surfaces.get(index);
+        surface.is_some_and(|surface| surface.distance(point).abs() <= error_m)
+    }
+
     /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
     pub(crate) fn nearest(&self, point: DVec3) -> u32 {
         let distances = self.surfaces.iter().map(|surface| surface.distance(point));

@@ -16,7 +16,7 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
-/// Error of a hit on the plane in units of the scene's rounding: fields are marched to some tens of units.
+/// Distance up to which a point counts as on the face, in units of the scene's rounding: fields are marched to some tens of units.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
 /// A plane face that reflects.
@@ -105,27 +105,22 @@ impl Space for MirroredSpace<'_> {
             return exact.first(start, along, until);
         }
         let error_m = TOUCH_IN_ROUNDINGS * exact.rounding();
-        let near = error_m / descent;
-        let beyond = Obstacle {
-            metres: crossing,
-            surface: mirror.surface,
-        };
-        let Some(hit) = exact.first_surface(start, along, None, crossing + near) else {
+        if let Some(before) = exact.first(start, along, crossing - error_m / descent) {
+            return Some(before);
+        }
+        let point = start + along * crossing;
+        if !exact.is_on(mirror.surface, point, error_m) {
             // The plane has no face there.
-            return Some(beyond);
-        };
-        if hit.object != mirror.surface || hit.t < crossing - near {
             return Some(Obstacle {
-                metres: hit.t,
-                surface: hit.object,
+                metres: crossing,
+                surface: mirror.surface,
             });
         }
-        let leaving = Some((mirror.surface, mirror.normal));
-        let along = along.reflect(mirror.normal);
-        let next = exact.first_surface(hit.point, along, leaving, until - crossing)?;
+        let lifted = point + mirror.normal * error_m;
+        let next = exact.first(lifted, along.reflect(mirror.normal), until - crossing)?;
         Some(Obstacle {
-            metres: crossing + next.t,
-            surface: next.object,
+            metres: crossing + next.metres,
+            surface: next.surface,
         })
     }
 
