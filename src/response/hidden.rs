@@ -99,8 +99,8 @@ impl Hidden {
     }
 }
 
-/// What diffraction does to the direct sound of a pair: the paths around what hides the source, and the energy of the
-/// direct sound by band, relative to that in the open. No paths if the pair is in sight, or an end lies in a solid.
+/// The effect of diffraction on the direct sound of a pair: the paths around the obstacle that hides the source, and the
+/// energy of the direct sound by band, relative to that in the open. No paths if the pair is in sight, or an end lies in a solid.
 ///
 /// # Errors
 /// The errors of [`Scene::validate`].
@@ -117,6 +117,10 @@ pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands)
     };
     Ok((around, beside))
 }
+
+/// Maximum number of hidden reflections, and of reflections in sight, whose diffraction is computed: those with the
+/// shortest ways. Each takes some milliseconds, and scenes can have thousands of faces.
+const MOST_REFLECTIONS: usize = 32;
 
 /// The surfaces between the source and the listener of a pair.
 struct Obstacles<'a> {
@@ -162,11 +166,15 @@ impl<'a> Obstacles<'a> {
             .collect()
     }
 
-    /// The paths around what hides reflections at plane faces, which `hidden` names.
+    /// The paths around the obstacles that hide these reflections at plane faces, for those with the shortest ways.
     fn reflections_around(&self, hidden: &[Vertex]) -> Vec<Bent> {
         let Some(ends) = self.ends else {
             return Vec::new();
         };
+        let way_m = |vertex: &Vertex| mirror(vertex).image(ends.0).distance(ends.1);
+        let mut nearest: Vec<(usize, &Vertex)> = hidden.iter().enumerate().collect();
+        nearest.sort_by(|a, b| way_m(a.1).total_cmp(&way_m(b.1)));
+        nearest.truncate(MOST_REFLECTIONS);
         let bent = |(reflection, vertex): (usize, &Vertex)| {
             let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
             let (exact, speed) = (self.early.exact(), self.medium.speed);
@@ -180,7 +188,7 @@ impl<'a> Obstacles<'a> {
                 .collect();
             (!paths.is_empty()).then_some(Bent { reflection, paths })
         };
-        hidden.par_iter().enumerate().filter_map(bent).collect()
+        nearest.into_par_iter().filter_map(bent).collect()
     }
 
     /// The change of the direct sound, and of reflections at a single plane face, by the edges beside their ways.
@@ -188,7 +196,11 @@ impl<'a> Obstacles<'a> {
         let Some(ends) = self.ends else {
             return;
         };
-        paths.par_iter_mut().for_each(|path| {
+        // Paths are in the order of their lengths.
+        let is_changed = |path: &&mut HeardPath| path.path.surfaces.len() <= 1;
+        let changed = paths.iter_mut().filter(is_changed);
+        let mut changed: Vec<&mut HeardPath> = changed.take(1 + MOST_REFLECTIONS).collect();
+        changed.par_iter_mut().for_each(|path| {
             let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
             let (exact, speed) = (self.early.exact(), self.medium.speed);
             let beside = match (path.kind, self.plane_of(&path.path)) {

@@ -10,7 +10,7 @@ use super::ways::{Ways, wideness};
 use crate::bands::Bands;
 use num_complex::Complex64;
 
-/// What is beside a free way.
+/// The edges and further ways beside a free way.
 pub(super) struct Lit {
     /// Length of the way in metres.
     apart_m: f64,
@@ -20,7 +20,7 @@ pub(super) struct Lit {
 }
 
 impl Lit {
-    /// What is beside the way between two points that see each other; `None` if they coincide.
+    /// The edges and ways beside the straight way between two points in sight; `None` if the points coincide.
     pub fn between(space: &impl Space, (source, listener): Ends) -> Option<Lit> {
         let planes = HalfPlanes::between(source, listener)?;
         let lit = Lit::beside(space, planes);

@@ -130,7 +130,7 @@ impl Ways {
         touched.map(|way| way.bend.outwards())
     }
 
-    /// Leaves out the ways and the edges beside them of which no point satisfies the condition.
+    /// Keeps only the ways and edges with a point that satisfies the condition.
     pub fn retain(&mut self, is_kept: impl Fn(DVec3) -> bool) {
         let is_on = |way: &Way| way.bend.turns.iter().any(|turn| is_kept(turn.middle));
         self.bends.retain(is_on);
