@@ -208,6 +208,17 @@ impl ExactScene {
         nearest.map_or(0, |(surface, _)| surface)
     }
 
+    /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 if there
+    /// is no other.
+    pub(crate) fn nearest_except(&self, point: DVec3, except: u32) -> u32 {
+        let others = (1..)
+            .zip(&self.surfaces)
+            .filter(|(number, _)| *number != except);
+        let distances = others.map(|(number, surface)| (number, surface.distance(point)));
+        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or(0, |(number, _)| number)
+    }
+
     /// Whether a world point is more than `depth` metres inside a solid.
     pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
         let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;

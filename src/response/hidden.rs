@@ -21,6 +21,8 @@ pub(super) struct Hidden {
     reflected: Vec<Bent>,
     /// The straight path through what hides the source.
     through: Option<HeardPath>,
+    /// The energy of the direct sound, or of the paths around what hides the source.
+    first: Bands,
 }
 
 impl Hidden {
@@ -50,6 +52,8 @@ impl Hidden {
         if settings.diffracts() && is_hidden {
             hidden.around = obstacles.paths_around();
         }
+        let direct = paths.iter().filter(|path| path.is_direct());
+        hidden.first = bands::sum(direct.chain(&hidden.around).map(|path| &path.energy));
         if transmits {
             hidden.through = obstacles.path_through(&hidden.around);
         }
@@ -68,21 +72,20 @@ impl Hidden {
     }
 
     /// Whether paths replace the waves that pass solids in a straight line.
-    pub fn is_replaced(&self) -> bool {
+    pub fn replaces_straight_waves(&self) -> bool {
         self.is_bent() || self.through.is_some()
     }
 
     /// An estimate of the reflections of higher order that do not bend, if more than one face reflects: the taps of those
-    /// of first order, weaker by the same ratio as those are weaker than the paths without a reflection.
+    /// of first order, weaker by the same ratio as those are weaker than the direct sound, or than the paths around what hides it.
     pub fn further_reflections(&self) -> Vec<Tap> {
         if self.reflected.len() < 2 {
             return Vec::new();
         }
         let all = || self.reflected.iter().flat_map(|bent| &bent.paths);
         let first = bands::sum(all().map(|path| &path.energy));
-        let without = bands::sum(self.around.iter().map(|path| &path.energy));
-        let ratio: Bands = std::array::from_fn(|band| match first[band] < without[band] {
-            true => first[band] / without[band],
+        let ratio: Bands = std::array::from_fn(|band| match first[band] < self.first[band] {
+            true => first[band] / self.first[band],
             false => 1.0,
         });
         let tap = |path: &HeardPath| Tap {
@@ -118,8 +121,8 @@ pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands)
     Ok((around, beside))
 }
 
-/// Maximum number of hidden reflections, and of reflections in sight, whose diffraction is computed: those with the
-/// shortest ways. Each takes some milliseconds, and scenes can have thousands of faces.
+/// Maximum number of hidden reflections, and of paths in sight, whose diffraction is computed: those with the
+/// shortest ways. Each takes milliseconds, at users' fields tens of them, and scenes can have thousands of faces.
 const MOST_REFLECTIONS: usize = 32;
 
 /// The surfaces between the source and the listener of a pair.
@@ -197,9 +200,10 @@ impl<'a> Obstacles<'a> {
             return;
         };
         // Paths are in the order of their lengths.
-        let is_changed = |path: &&mut HeardPath| path.path.surfaces.len() <= 1;
-        let changed = paths.iter_mut().filter(is_changed);
-        let mut changed: Vec<&mut HeardPath> = changed.take(1 + MOST_REFLECTIONS).collect();
+        let reflected = paths
+            .iter_mut()
+            .filter(|path| path.is_direct() || self.plane_of(&path.path).is_some());
+        let mut changed: Vec<&mut HeardPath> = reflected.take(MOST_REFLECTIONS).collect();
         changed.par_iter_mut().for_each(|path| {
             let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
             let (exact, speed) = (self.early.exact(), self.medium.speed);
@@ -396,10 +400,11 @@ mod tests {
     /// single face has no further ones.
     #[test]
     fn further_reflections_continue_the_series() {
-        let energies = |around: Vec<f64>, reflected: Vec<f64>| -> Vec<f64> {
+        let energies = |around: f64, reflected: Vec<f64>| -> Vec<f64> {
             let reflected = reflected.into_iter().enumerate();
             let hidden = Hidden {
-                around: around.into_iter().map(path).collect(),
+                first: [around; BAND_COUNT],
+                around: Vec::new(),
                 reflected: reflected
                     .map(|(index, energy)| bent(index, energy))
                     .collect(),
@@ -408,9 +413,9 @@ mod tests {
             let taps = hidden.further_reflections();
             taps.iter().map(|tap| tap.energy[0]).collect()
         };
-        assert_eq!(energies(vec![4.0, 4.0], vec![1.0, 3.0]), [0.5, 1.5]);
-        assert_eq!(energies(vec![1.0], vec![1.0, 3.0]), [1.0, 3.0]);
-        assert_eq!(energies(Vec::new(), vec![1.0, 3.0]), [1.0, 3.0]);
-        assert!(energies(vec![1.0], vec![1.0]).is_empty());
+        assert_eq!(energies(8.0, vec![1.0, 3.0]), [0.5, 1.5]);
+        assert_eq!(energies(1.0, vec![1.0, 3.0]), [1.0, 3.0]);
+        assert_eq!(energies(0.0, vec![1.0, 3.0]), [1.0, 3.0]);
+        assert!(energies(1.0, vec![1.0]).is_empty());
     }
 }

@@ -191,7 +191,7 @@ impl Response {
             .filter(|arrival| !is_replaced(arrival))
             .for_each(|arrival| medium.add(&mut echogram, arrival));
         // An exact path replaces the waves that pass solids in a straight line.
-        if is_hidden && !hidden.is_replaced() {
+        if is_hidden && !hidden.replaces_straight_waves() {
             echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
         }
         let further_reflections = hidden.further_reflections();

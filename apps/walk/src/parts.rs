@@ -116,7 +116,8 @@ impl Parts {
     pub(super) fn keep(&self, response: &mut Response) -> Result<(), ResponseError> {
         if !self.mirrored {
             let paths = &mut response.paths;
-            paths.retain(|path| path.kind != PathKind::Mirrored);
+            // Diffracted paths can have reflections too.
+            paths.retain(|path| path.kind != PathKind::Mirrored && path.reflections.is_empty());
         }
         if !self.late {
             let echogram = &response.echogram;

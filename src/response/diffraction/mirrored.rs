@@ -3,8 +3,8 @@
 //! # Theory
 //! A reflection at a plane is a straight way to the image of the source. A way that bends and is reflected is therefore a
 //! bent way in the space that consists of the scene in front of the plane and its mirror image behind it, joined at the
-//! face (Allen and Berkley 1979 for the images; Pierce 1974 for a barrier on the ground). Outside the face nothing leads
-//! through the plane. In this space strings and edges are found as in any other.
+//! face (Allen and Berkley 1979 for the images; Pierce 1974 for a barrier on the ground). Outside the
+//! face the plane is closed. In this space strings and edges are found as in any other.
 //!
 //! From the image of the source to the listener a string crosses the plane once: the sound is reflected before the edge
 //! or after it. From the source itself to the listener it crosses the plane twice, or not at all.
@@ -131,7 +131,12 @@ impl Space for MirroredSpace<'_> {
     }
 
     fn nearest(&self, point: DVec3) -> u32 {
-        self.exact.nearest(self.mirror.in_front(point))
+        // At the foot of a wall the mirror is as near as the wall.
+        let point = self.mirror.in_front(point);
+        match self.exact.nearest_except(point, self.mirror.surface) {
+            0 => self.mirror.surface,
+            other => other,
+        }
     }
 }
 

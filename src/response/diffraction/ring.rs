@@ -87,12 +87,12 @@ impl Basin {
         let known = (0..HALF_PLANES).filter_map(|index| Some((index, detours[index]?)));
         let (longest, _) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let has_string = |index: usize| detours[index % HALF_PLANES].is_some();
-        let steps = 1..HALF_PLANES;
+        let steps = 1..=HALF_PLANES;
         let after = steps
             .clone()
             .take_while(|steps| has_string(longest + steps))
             .count();
-        let steps = steps.take(HALF_PLANES - 1 - after);
+        let steps = steps.take(HALF_PLANES - after);
         let before = steps
             .take_while(|steps| has_string(longest + HALF_PLANES - steps))
             .count();
@@ -269,4 +269,22 @@ fn hermite([a, b]: [f64; 2], [slope_a, slope_b]: [f64; 2], t: f64) -> f64 {
         + slope_a * (t3 - 2.0 * t2 + t)
         + b * (3.0 * t2 - 2.0 * t3)
         + slope_b * (t3 - t2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the sum over a whole ring of equal detours, and over half a ring: all half-planes have the same phase.
+    #[test]
+    fn equal_detours_have_one_phase() {
+        let k = 7.0;
+        for (known, share) in [(HALF_PLANES, 1.0), (HALF_PLANES / 2 + 1, 0.5)] {
+            let detours: Detours = std::array::from_fn(|index| (index < known).then_some(0.3));
+            let (basin, _) = Basin::around_longest(&detours).expect("strings");
+            let sum = basin.samples(&detours).weighted_sum(k, |_| Complex64::ONE);
+            let expected = Complex64::cis(k * 0.3) * share;
+            assert!((sum - expected).norm() < 1e-9, "{sum}, {expected}");
+        }
+    }
 }

@@ -185,7 +185,7 @@ impl EarlyPart {
     /// The arrivals that no exact path replaces, and which therefore remain statistical: their surfaces are known only
     /// from samples, or the listener is partly visible but its centre is hidden, or their path was not searched for.
     ///
-    /// Without those of hidden reflections for which `is_bent` holds: diffracted paths replace them.
+    /// Arrivals of a hidden reflection are left out if `is_bent` holds for it: diffracted paths replace them.
     pub fn left_over(&self, is_bent: impl Fn(usize) -> bool) -> impl Iterator<Item = &Arrival> {
         let all = self.arrivals.iter().zip(&self.outcomes);
         let is_left = move |outcome: &Outcome| match outcome {
@@ -288,8 +288,7 @@ impl HiddenReflections {
         let mut index_of = |vertex: &Vertex| {
             let is_same = |known: &Vertex| {
                 let height = (known.point - vertex.point).dot(vertex.normal);
-                known.surface == vertex.surface
-                    && known.normal.distance(vertex.normal) <= SAME_NORMAL
+                known.normal.distance(vertex.normal) <= SAME_NORMAL
                     && height.abs() <= SAME_NORMAL * known.point.distance(vertex.point).max(1.0)
             };
             let known = reflections.iter().position(is_same);
