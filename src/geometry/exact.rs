@@ -203,13 +203,12 @@ impl ExactScene {
 
     /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
     pub(crate) fn nearest(&self, point: DVec3) -> u32 {
-        let distances = self.surfaces.iter().map(|surface| surface.distance(point));
-        let nearest = (1..).zip(distances).min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map_or(0, |(surface, _)| surface)
+        // Numbers start at 1.
+        self.nearest_except(point, 0)
     }
 
-    /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 if there
-    /// is no other.
+    /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 without
+    /// another surface.
     pub(crate) fn nearest_except(&self, point: DVec3, except: u32) -> u32 {
         let others = (1..)
             .zip(&self.surfaces)
