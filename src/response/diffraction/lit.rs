@@ -44,8 +44,8 @@ impl Lit {
         Lit { apart_m, rims, far }
     }
 
-    /// The energy at the listener by band, relative to that in the open, and the energy that reflections leave behind which
-    /// end at the edges. `coefficients` are the pressure reflection coefficients of a surface, by its number and by band.
+    /// The energy at the listener by band, relative to that in the open. Includes the energy of reflections that end at the
+    /// edges. `coefficients` are the pressure reflection coefficients of a surface, by its number and by band.
     pub fn energy(
         &self,
         space: &impl Space,
@@ -93,7 +93,7 @@ impl Lit {
         })
     }
 
-    /// The sounds around the far side of the obstacles, less the farther their edges are beside the way.
+    /// The sounds around the far side of the obstacles, weighted by the nearness of the nearest edge.
     fn heard_around(&self, sounds: Vec<Sound>) -> impl Iterator<Item = Sound> {
         let nearness = self.rims.iter().map(Rim::nearness);
         let near = nearness.fold(0.0, f64::max);

@@ -3,8 +3,8 @@
 //! # Theory
 //! A reflection at a plane is a straight way to the image of the source. A way that bends and is reflected is therefore a
 //! bent way in the space that consists of the scene in front of the plane and its mirror image behind it, joined at the
-//! face (Allen and Berkley 1979 for the images; Pierce 1974 for a barrier on the ground). Outside the
-//! face the plane is closed. In this space strings and edges are found as in any other.
+//! face (Allen and Berkley 1979 for the images; Pierce 1974 for a barrier on the ground). Outside the face the plane is
+//! closed. In this space strings and edges are found as in any other.
 //!
 //! From the image of the source to the listener a string crosses the plane once: the sound is reflected before the edge
 //! or after it. From the source itself to the listener it crosses the plane twice, or not at all.
@@ -16,7 +16,8 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
-/// Distance up to which a point counts as on the face, in units of the scene's rounding: fields are marched to some tens of units.
+/// Distance up to which a point counts as on the face, in units of the scene's rounding: fields are marched to some tens
+/// of units.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
 /// A plane face that reflects.

@@ -176,7 +176,7 @@ impl Ways {
         energies
     }
 
-    /// The pressure reflection coefficients by band at the turns of each way, and at each edge beside them.
+    /// The pressure reflection coefficients by band at the turns of each way, then at each edge beside the ways.
     pub fn faces(
         &self,
         space: &impl Space,
