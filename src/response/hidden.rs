@@ -5,12 +5,14 @@ use super::source_sound::{HeardPath, Medium, PathKind, comes_from, reflectance};
 use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
+use crate::platform::Instant;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath, Vertex};
 use crate::response::{ResponseSettings, Tap};
 use crate::scene::{IntoPair, Pair, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::time::Duration;
 
 /// The sound that obstacles hide, along paths around them and through them.
 #[derive(Default)]
@@ -23,6 +25,8 @@ pub(super) struct Hidden {
     through: Option<HeardPath>,
     /// The energy of the direct sound, or of the paths around what hides the source.
     first: Bands,
+    /// Time that diffraction took.
+    diffraction: Duration,
 }
 
 impl Hidden {
@@ -45,12 +49,14 @@ impl Hidden {
         }
         let obstacles = Obstacles::of(pair, medium)?;
         let mut hidden = Hidden::default();
+        let began = Instant::now();
         if settings.diffracts() {
             hidden.reflected = obstacles.reflections_around(reflections);
             obstacles.change_beside(paths);
-        }
-        if settings.diffracts() && is_hidden {
-            hidden.around = obstacles.paths_around();
+            if is_hidden {
+                hidden.around = obstacles.paths_around();
+            }
+            hidden.diffraction = began.elapsed();
         }
         let direct = paths.iter().filter(|path| path.is_direct());
         hidden.first = bands::sum(direct.chain(&hidden.around).map(|path| &path.energy));
@@ -74,6 +80,11 @@ impl Hidden {
     /// Whether paths replace the waves that pass solids in a straight line.
     pub fn replaces_straight_waves(&self) -> bool {
         self.is_bent() || self.through.is_some()
+    }
+
+    /// Time in milliseconds that diffraction took.
+    pub fn diffraction_milliseconds(&self) -> f64 {
+        self.diffraction.as_secs_f64() * 1e3
     }
 
     /// An estimate of the reflections of higher order that do not bend, if more than one face reflects: the taps of those
@@ -404,11 +415,10 @@ mod tests {
             let reflected = reflected.into_iter().enumerate();
             let hidden = Hidden {
                 first: [around; BAND_COUNT],
-                around: Vec::new(),
                 reflected: reflected
                     .map(|(index, energy)| bent(index, energy))
                     .collect(),
-                through: None,
+                ..Hidden::default()
             };
             let taps = hidden.further_reflections();
             taps.iter().map(|tap| tap.energy[0]).collect()

@@ -134,6 +134,9 @@ pub struct Response {
     pub counts: ArrivalCounts,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
+    /// The part of `milliseconds` that diffraction took. It hardly depends on the number of waves. 0 without
+    /// diffraction.
+    pub diffraction_milliseconds: f64,
 }
 
 impl Response {
@@ -194,6 +197,7 @@ impl Response {
         if is_hidden && !hidden.replaces_straight_waves() {
             echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
         }
+        let diffraction_milliseconds = hidden.diffraction_milliseconds();
         let further_reflections = hidden.further_reflections();
         paths.extend(hidden.into_paths());
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
@@ -241,6 +245,7 @@ impl Response {
             followed_s,
             counts,
             milliseconds: began.elapsed().as_secs_f64() * 1e3,
+            diffraction_milliseconds,
         };
         if let Some(least_db) = settings.least_level_db {
             least_level::raise(&mut response, pair, &medium, least_db);

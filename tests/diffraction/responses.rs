@@ -239,6 +239,18 @@ fn sound_does_not_bend_unless_it_is_asked_for() {
     assert!(kinds.contains(&PathKind::Diffracted), "{kinds:?}");
 }
 
+/// Protects the time that a response states for its diffraction: callers that limit the time for waves subtract it.
+#[test]
+fn responses_state_the_time_of_their_diffraction() {
+    let text = "Scene(surfaces: [Surface(shape: Box(size: (0.1, 4, 40)))], \
+                source: Source(position: (-2, -0.5, 0)), listener: Listener(position: (2, -0.5, 0), radius: 0.05))";
+    let [without, with] =
+        [false, true].map(|diffraction| response(&mut tracer(), text, diffraction));
+    assert_eq!(without.diffraction_milliseconds, 0.0);
+    assert!(with.diffraction_milliseconds > 0.0);
+    assert!(with.diffraction_milliseconds < with.milliseconds);
+}
+
 /// The response of a scene.
 fn response(tracer: &mut Tracer, text: &str, diffraction: bool) -> Response {
     let scene = Scene::from_ron(text, "test").expect("a scene");

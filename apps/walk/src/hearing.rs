@@ -44,6 +44,10 @@ const LONGEST_ESTIMATE_S: f64 = 8.0;
 /// Target duration of a trace, in seconds. After a longer trace, the echoes lag behind the listener.
 const LOOK_S: f64 = 0.25;
 
+/// Minimum share of a time limit that is left to waves, however long diffraction takes. With fewer waves, a trace
+/// would hardly be shorter, but its late part would be rough.
+const LEAST_FOR_WAVES: f64 = 0.25;
+
 /// Maximum number of reflections of exact paths.
 const ORDER: u32 = 3;
 
@@ -119,6 +123,15 @@ pub struct Hearing {
     late_waves_heard: u32,
     last_look: Instant,
     last_late: Option<Instant>,
+}
+
+/// Duration of a trace.
+#[derive(Clone, Copy, Debug, Default)]
+struct TraceTime {
+    /// Time that is proportional to the number of waves.
+    waves: Duration,
+    /// Time that diffraction took, which hardly depends on the number of waves.
+    diffraction: Duration,
 }
 
 /// The result of a trace for one source, to be passed to the player.
@@ -215,10 +228,11 @@ impl Hearing {
         };
         let mut curve = vec![0.0; CURVE_POINTS];
         let mut paths = Vec::new();
-        let mut on_late = Duration::ZERO;
+        let (mut on_late, mut diffraction_ms) = (Duration::ZERO, 0.0);
         for source in 0..scene.sources.len() {
             let pair = scene.pair(source, LISTENER)?;
             let mut response = Response::trace(&mut self.tracer, pair, &how)?;
+            diffraction_ms += response.diffraction_milliseconds;
             parts.keep(&mut response)?;
             status.sources.push(HeardSource::of(&response));
             paths.extend(drawn_paths::of_response(pair, &response));
@@ -237,14 +251,14 @@ impl Hearing {
         status.paths = paths.into();
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
-        let tracing = tracing.elapsed().saturating_sub(on_late);
+        let took = TraceTime::new(tracing.elapsed().saturating_sub(on_late), diffraction_ms);
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
-        self.cost = Some(tracing.as_secs_f64() / (f64::from(self.late_waves) * seconds));
+        self.cost = Some(took.waves.as_secs_f64() / (f64::from(self.late_waves) * seconds));
         self.early_waves_heard = status.waves;
-        self.early_waves = early_waves(self.early_waves, tracing);
-        self.late_waves = late_waves(self.late_waves, tracing);
+        self.early_waves = early_waves(self.early_waves, took);
+        self.late_waves = late_waves(self.late_waves, took);
         self.last_look = Instant::now();
         if is_late_due {
             self.last_late = Some(self.last_look);
@@ -308,20 +322,32 @@ fn length_of_dear(cost: f64) -> f64 {
     fit.clamp(FIRST_LENGTH_S, LONGEST_S)
 }
 
+impl TraceTime {
+    /// Splits the duration of a trace. `diffraction_ms` is the time of its diffraction in milliseconds.
+    fn new(whole: Duration, diffraction_ms: f64) -> TraceTime {
+        let diffraction = Duration::from_secs_f64(diffraction_ms / 1e3).min(whole);
+        TraceTime {
+            waves: whole - diffraction,
+            diffraction,
+        }
+    }
+}
+
 /// The number of waves for the next late part, after a trace of `before` waves that took `took`.
-fn late_waves(before: u32, took: Duration) -> u32 {
+fn late_waves(before: u32, took: TraceTime) -> u32 {
     let usual = fitting(before, took, LOOK_S);
     usual.max(fitting(before, took, LONGEST_LOOK_S).min(LEAST_LATE_WAVES))
 }
 
 /// The number of waves for the next early arrivals, after a trace of `before` waves that took `took`.
-fn early_waves(before: u32, took: Duration) -> u32 {
+fn early_waves(before: u32, took: TraceTime) -> u32 {
     fitting(before, took, LONGEST_LOOK_S)
 }
 
-/// The number of waves, within the limits, that would take `seconds`.
-fn fitting(before: u32, took: Duration, seconds: f64) -> u32 {
-    let fit = f64::from(before) * seconds / took.as_secs_f64();
+/// The number of waves, within the limits, of a trace of `seconds` with the same diffraction.
+fn fitting(before: u32, took: TraceTime, seconds: f64) -> u32 {
+    let for_waves = (seconds - took.diffraction.as_secs_f64()).max(LEAST_FOR_WAVES * seconds);
+    let fit = f64::from(before) * for_waves / took.waves.as_secs_f64();
     (fit as u32).clamp(LEAST_WAVES, MOST_WAVES)
 }
 
@@ -363,10 +389,46 @@ mod tests {
     use super::*;
     use echomarch::gl::ContextOptions;
 
+    fn without_diffraction(seconds: f64) -> TraceTime {
+        TraceTime::new(Duration::from_secs_f64(seconds), 0.0)
+    }
+
+    /// Protects the number of waves beside a long diffraction: it stays the same from trace to trace, and does not fall
+    /// to the minimum.
+    #[test]
+    fn waves_share_the_time_that_diffraction_leaves() {
+        // Seconds per wave, and of diffraction; the number of waves for late and for early arrivals.
+        for (wave_s, diffraction_s, late, early) in [
+            (1.0 / 8192.0, 0.125, 1024, 7168),
+            (1.0 / 65536.0, 0.125, 8192, MOST_WAVES),
+            (1.0 / 8192.0, 2.0, 1024, 2048),
+            (1.0 / 1024.0, 2.0, 256, 256),
+        ] {
+            let took = |waves: u32| {
+                let whole = f64::from(waves) * wave_s + diffraction_s;
+                TraceTime::new(Duration::from_secs_f64(whole), 1e3 * diffraction_s)
+            };
+            let mut waves = [LEAST_WAVES; 2];
+            for look in 0..4 {
+                let [of_late, of_early] = waves;
+                waves = [
+                    late_waves(of_late, took(of_late)),
+                    early_waves(of_early, took(of_early)),
+                ];
+                for (waves, expected) in waves.iter().zip([late, early]) {
+                    assert!(
+                        waves.abs_diff(expected) <= 1,
+                        "trace {look}: {waves}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+
     /// Protects the user from waiting seconds for echoes, and the late part from unnecessary roughness.
     #[test]
     fn late_waves_follow_the_time_of_looks() {
-        let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));
+        let after = |before, seconds| late_waves(before, without_diffraction(seconds));
         assert_eq!(after(8192, LOOK_S), 8192);
         assert_eq!(after(8192, 2.0 * LOOK_S), 4096);
         assert_eq!(after(2048, 0.5 * LOOK_S), 4096);
@@ -380,7 +442,7 @@ mod tests {
     /// Protects the user of an expensive field from waiting for a minute, and checks that cheap scenes keep all echoes.
     #[test]
     fn early_waves_are_as_many_as_take_a_second() {
-        let after = |before, seconds| early_waves(before, Duration::from_secs_f64(seconds));
+        let after = |before, seconds| early_waves(before, without_diffraction(seconds));
         assert_eq!(after(LEAST_WAVES, 0.001), MOST_WAVES);
         assert_eq!(after(MOST_WAVES, LONGEST_LOOK_S), MOST_WAVES);
         assert_eq!(after(8192, 2.0 * LONGEST_LOOK_S), 4096);
