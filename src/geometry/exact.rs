@@ -44,6 +44,8 @@ pub struct ExactScene {
     /// The surfaces with a closed form, followed by the marched surfaces. A march does not continue beyond a hit of a
     /// surface with a closed form.
     pub(super) hierarchies: [Hierarchy; 2],
+    /// Indices of the surfaces whose distance can be less than that to their bounding box.
+    with_bounds_of_distance: Vec<u32>,
     ear: Ear,
     /// Error bound of positions in metres.
     pub(super) error_bound: f64,
@@ -165,7 +167,10 @@ impl ExactScene {
             let boxes = of_kind.map(|(index, surface)| (index, surface.bounds().grown(spare)));
             Hierarchy::new(boxes.collect())
         });
+        let all = (0..).zip(&surfaces);
+        let with_bounds = all.filter(|(_, surface)| !surface.has_exact_distance());
         Ok(ExactScene {
+            with_bounds_of_distance: with_bounds.map(|(index, _)| index).collect(),
             surfaces,
             hierarchies,
             ear,
@@ -176,22 +181,46 @@ impl ExactScene {
     /// Signed distance in metres from a world point to the nearest surface, negative inside a solid. The listener is
     /// ignored.
     pub fn surface_distance(&self, point: DVec3) -> f64 {
-        self.surfaces
-            .iter()
-            .map(|surface| surface.distance(point))
-            .fold(f64::INFINITY, f64::min)
+        self.least_distance(point, |_, surface| surface.distance(point))
     }
 
     /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
     /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `face` is the number of the
     /// surface, from 1, and the unit normal of its face.
     pub(crate) fn distance_without_face(&self, point: DVec3, face: (u32, DVec3)) -> f64 {
-        let distance = |(number, surface): (u32, &Placed)| match number == face.0 {
+        self.least_distance(point, |number, surface| match number == face.0 {
             true => surface.distance_without_face(point, face.1),
             false => surface.distance(point),
-        };
-        let distances = (1..).zip(&self.surfaces).map(distance);
-        distances.fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// The least of the distances from a point that `distance` gives for a surface and its number, from 1. They are at
+    /// least [`Placed::distance`].
+    fn least_distance(&self, point: DVec3, distance: impl Fn(u32, &Placed) -> f64) -> f64 {
+        let mut least = f64::INFINITY;
+        self.visit_nearest(point, |number, surface| {
+            least = least.min(distance(number, surface));
+            least
+        });
+        least
+    }
+
+    /// Calls `visit` with the number, from 1, of each surface that can be nearest to a point. The result of `visit` is
+    /// the least distance so far in metres: surfaces whose bounding box is farther away are left out.
+    fn visit_nearest(&self, point: DVec3, mut visit: impl FnMut(u32, &Placed) -> f64) {
+        let mut least = f64::INFINITY;
+        for &index in &self.with_bounds_of_distance {
+            least = visit(index + 1, &self.surfaces[index as usize]);
+        }
+        for hierarchy in &self.hierarchies {
+            hierarchy.around(point, least, |index, _| {
+                let surface = &self.surfaces[index];
+                if surface.has_exact_distance() {
+                    least = visit(index as u32 + 1, surface);
+                }
+                least
+            });
+        }
     }
 
     /// Whether a world point is within `error_m` metres of the surface with this number, from 1.
@@ -210,12 +239,23 @@ impl ExactScene {
     /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 without
     /// another surface.
     pub(crate) fn nearest_except(&self, point: DVec3, except: u32) -> u32 {
-        let others = (1..)
-            .zip(&self.surfaces)
-            .filter(|(number, _)| *number != except);
-        let distances = others.map(|(number, surface)| (number, surface.distance(point)));
-        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map_or(0, |(number, _)| number)
+        let mut nearest: Option<(f64, u32)> = None;
+        self.visit_nearest(point, |number, surface| {
+            let found = (surface.distance(point), number);
+            // At equal distances, the first surface in the scene is nearest.
+            let is_nearer = |(distance, other): (f64, u32)| {
+                found
+                    .0
+                    .total_cmp(&distance)
+                    .then(number.cmp(&other))
+                    .is_lt()
+            };
+            if number != except && nearest.is_none_or(is_nearer) {
+                nearest = Some(found);
+            }
+            nearest.map_or(f64::INFINITY, |(distance, _)| distance)
+        });
+        nearest.map_or(0, |(_, number)| number)
     }
 
     /// Whether a world point is more than `depth` metres inside a solid.
