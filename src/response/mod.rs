@@ -78,7 +78,7 @@ use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
-use early_part::{Caught, EarlyPart};
+use early_part::{Caught, EarlyPart, Search};
 pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
 use hidden::Hidden;
@@ -177,7 +177,13 @@ impl Response {
             travel_on,
         } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
-        let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
+        let search = Search {
+            pair,
+            waves: settings.trace.waves,
+            order,
+            diffracts: settings.diffracts(),
+        };
+        let part = EarlyPart::find(&search, &starts, early)?;
         let all_paths = part.heard(pair, &medium);
         let is_hidden = direct(&all_paths).is_none();
         let mut paths = all_paths.clone();

@@ -55,6 +55,17 @@ pub(super) struct EarlyPart {
     search_left_out_share: f64,
 }
 
+/// The settings of the search for early paths.
+pub(super) struct Search<'a> {
+    pub pair: Pair<'a>,
+    /// Number of all waves.
+    pub waves: u32,
+    /// Maximum number of reflections.
+    pub order: u32,
+    /// Whether the hidden reflections are needed, because sound bends.
+    pub diffracts: bool,
+}
+
 /// A path found only by waves replaces them if at least this number of waves is expected to find it. Fewer than 1 % of
 /// such paths are missed. If paths with fewer expected waves also replaced their waves, the energy of the missed paths
 /// would be lost.
@@ -62,14 +73,13 @@ const EXPECTED_WAVES: f64 = 5.0;
 
 impl EarlyPart {
     /// Finds the paths of `arrivals`, which are in the order of their waves. `starts` has the number and the direction
-    /// of each of these waves once; `waves` is the number of all waves.
+    /// of each of these waves once.
     pub fn find(
-        pair: Pair,
+        search: &Search,
         starts: &[(u32, Vec3)],
-        waves: u32,
-        order: u32,
         arrivals: Vec<Arrival>,
     ) -> Result<EarlyPart, Error> {
+        let Search { pair, order, .. } = *search;
         let scene = pair.scene;
         let paths = EarlyPaths::new(pair)?;
         let ends = paths.ends(pair);
@@ -77,7 +87,7 @@ impl EarlyPart {
         let candidates =
             paths.candidates_within(&ends, &directions, order, ends.radius_m, MOST_ASKED);
         let followed_share = followed_share(starts.len(), candidates.left_out().len());
-        let waves = (f64::from(waves) * followed_share) as u32;
+        let waves = (f64::from(search.waves) * followed_share) as u32;
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
         let of_waves = candidates.len();
@@ -94,7 +104,10 @@ impl EarlyPart {
             false => 0.0,
         };
         let found = paths.find(&ends, &candidates);
-        let hidden = HiddenReflections::among(&candidates, &found, &paths);
+        let hidden = match search.diffracts {
+            true => HiddenReflections::among(&candidates, &found, &paths),
+            false => HiddenReflections::default(),
+        };
         let (paths_known, index_known) = retain(found.paths, |path| {
             path.is_searched || passing(scene, path, ends.radius_m, waves) >= EXPECTED_WAVES
         });
@@ -177,7 +190,7 @@ impl EarlyPart {
         self.search_left_out_share
     }
 
-    /// Reflections at plane faces whose paths an object hides, each face once.
+    /// Reflections at plane faces whose paths an object hides, each face once; none unless sound bends.
     pub fn hidden_reflections(&self) -> &[Vertex] {
         &self.hidden
     }
@@ -273,9 +286,10 @@ impl EarlyPart {
 }
 
 /// The hidden reflections among candidates.
+#[derive(Default)]
 struct HiddenReflections {
     reflections: Vec<Vertex>,
-    /// For each candidate, the index of its reflection.
+    /// For each candidate, the index of its reflection; empty if they are not needed.
     of_candidate: Vec<Option<usize>>,
 }
 
@@ -312,7 +326,7 @@ impl HiddenReflections {
     }
 
     fn of(&self, candidate: usize) -> Option<usize> {
-        self.of_candidate[candidate]
+        self.of_candidate.get(candidate).copied().flatten()
     }
 }
 
@@ -447,4 +461,34 @@ fn length_m(ends: &Ends, vertices: &[Vertex]) -> f64 {
         from = vertex.point;
     }
     length + from.distance(ends.listener)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the time of responses without diffraction: hidden reflections are sought only if sound bends.
+    #[test]
+    fn hidden_reflections_are_found_only_for_diffraction() {
+        let text = "Scene(surfaces: [Surface(shape: Plane), \
+                    Surface(shape: Box(size: (0.2, 6, 400)), position: (0, 3, 0))], \
+                    source: Source(position: (-5, 1, 0)), listener: Listener(position: (6, 1.5, 1), radius: 0.2))";
+        let scene = Scene::from_ron(text, "wall").expect("a scene");
+        let hidden = |diffracts: bool| {
+            let search = Search {
+                pair: scene.pair(0, 0).expect("a pair"),
+                waves: 1,
+                order: 1,
+                diffracts,
+            };
+            let part = EarlyPart::find(&search, &[], Vec::new()).expect("a scene");
+            let surfaces = part
+                .hidden_reflections()
+                .iter()
+                .map(|vertex| vertex.surface);
+            surfaces.collect::<Vec<u32>>()
+        };
+        assert_eq!(hidden(true), [1]);
+        assert_eq!(hidden(false), [0; 0]);
+    }
 }
