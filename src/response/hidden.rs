@@ -32,22 +32,18 @@ pub(super) struct Hidden {
 impl Hidden {
     /// Finds the paths that the settings ask for, and changes the `paths` that are not hidden by the edges beside them.
     /// `reflections` are the hidden reflections at plane faces.
-    ///
-    /// # Errors
-    /// The errors of [`EarlyPaths::new`].
     pub fn find(
-        pair: Pair,
-        medium: &Medium,
+        (pair, medium, early): (Pair, &Medium, &EarlyPaths),
         settings: &ResponseSettings,
         reflections: &[Vertex],
         paths: &mut [HeardPath],
-    ) -> Result<Hidden, Error> {
+    ) -> Hidden {
         let is_hidden = !paths.iter().any(HeardPath::is_direct);
         let transmits = settings.transmits() && is_hidden;
         if !settings.diffracts() && !transmits {
-            return Ok(Hidden::default());
+            return Hidden::default();
         }
-        let obstacles = Obstacles::of(pair, medium)?;
+        let obstacles = Obstacles::of(pair, medium, early);
         let mut hidden = Hidden::default();
         let began = Instant::now();
         if settings.diffracts() {
@@ -63,7 +59,7 @@ impl Hidden {
         if transmits {
             hidden.through = obstacles.path_through(&hidden.around);
         }
-        Ok(hidden)
+        hidden
     }
 
     /// Whether the sound bends around what hides the source.
@@ -122,7 +118,8 @@ impl Hidden {
 pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands), Error> {
     let pair = pair.chosen()?;
     let medium = Medium::of(pair);
-    let obstacles = Obstacles::of(pair, &medium)?;
+    let early = EarlyPaths::new(pair)?;
+    let obstacles = Obstacles::of(pair, &medium, &early);
     let around = obstacles.paths_around();
     let faces = |surface: u32| pressure_reflection(pair.scene, surface);
     let beside = match obstacles.ends.filter(|_| around.is_empty()) {
@@ -140,7 +137,7 @@ const MOST_REFLECTIONS: usize = 32;
 struct Obstacles<'a> {
     pair: Pair<'a>,
     medium: &'a Medium,
-    early: EarlyPaths,
+    early: &'a EarlyPaths,
     /// The source and the listener; `None` if either is in a solid.
     ends: Option<(DVec3, DVec3)>,
 }
@@ -154,17 +151,16 @@ struct Bent {
 }
 
 impl<'a> Obstacles<'a> {
-    fn of(pair: Pair<'a>, medium: &'a Medium) -> Result<Obstacles<'a>, Error> {
-        let early = EarlyPaths::new(pair)?;
+    fn of(pair: Pair<'a>, medium: &'a Medium, early: &'a EarlyPaths) -> Obstacles<'a> {
         let ends = early.ends(pair);
         let ends = (ends.source, ends.listener);
         let are_open = early.is_open(ends.0) && early.is_open(ends.1);
-        Ok(Obstacles {
+        Obstacles {
             pair,
             medium,
-            ends: are_open.then_some(ends),
             early,
-        })
+            ends: are_open.then_some(ends),
+        }
     }
 
     /// The paths around what hides the source from the listener; none if they see each other, or if either is in a solid.

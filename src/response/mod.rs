@@ -79,6 +79,7 @@ use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early_part::{Caught, EarlyPart, Search};
+use exact_paths::EarlyPaths;
 pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
 use hidden::Hidden;
@@ -177,23 +178,24 @@ impl Response {
             travel_on,
         } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
+        let early_paths = EarlyPaths::new(pair)?;
         let search = Search {
             pair,
+            paths: &early_paths,
             waves: settings.trace.waves,
             order,
             diffracts: settings.diffracts(),
         };
-        let part = EarlyPart::find(&search, &starts, early)?;
+        let part = EarlyPart::find(&search, &starts, early);
         let all_paths = part.heard(pair, &medium);
         let is_hidden = direct(&all_paths).is_none();
         let mut paths = all_paths.clone();
         let hidden = Hidden::find(
-            pair,
-            &medium,
+            (pair, &medium, &early_paths),
             settings,
             part.hidden_reflections(),
             &mut paths,
-        )?;
+        );
         // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
         let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && hidden.is_bent();
         part.left_over(|reflection| hidden.is_reflection_bent(reflection))

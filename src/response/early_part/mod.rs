@@ -10,7 +10,6 @@ use super::source_sound::{
     HeardPath, Medium, PathKind, comes_from, crossing, mirrored_share, passing, radiated_along,
 };
 use crate::bands::{self, BAND_COUNT, Bands};
-use crate::error::Error;
 use crate::response::exact_paths::{
     Candidate, Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath, Vertex,
 };
@@ -58,6 +57,8 @@ pub(super) struct EarlyPart {
 /// The settings of the search for early paths.
 pub(super) struct Search<'a> {
     pub pair: Pair<'a>,
+    /// The mirrors of the pair's scene.
+    pub paths: &'a EarlyPaths,
     /// Number of all waves.
     pub waves: u32,
     /// Maximum number of reflections.
@@ -74,14 +75,11 @@ const EXPECTED_WAVES: f64 = 5.0;
 impl EarlyPart {
     /// Finds the paths of `arrivals`, which are in the order of their waves. `starts` has the number and the direction
     /// of each of these waves once.
-    pub fn find(
-        search: &Search,
-        starts: &[(u32, Vec3)],
-        arrivals: Vec<Arrival>,
-    ) -> Result<EarlyPart, Error> {
-        let Search { pair, order, .. } = *search;
+    pub fn find(search: &Search, starts: &[(u32, Vec3)], arrivals: Vec<Arrival>) -> EarlyPart {
+        let Search {
+            pair, paths, order, ..
+        } = *search;
         let scene = pair.scene;
-        let paths = EarlyPaths::new(pair)?;
         let ends = paths.ends(pair);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
         let candidates =
@@ -100,12 +98,12 @@ impl EarlyPart {
             false => 0,
         };
         let search_left_out_share = match complete < order && flat_search_pays(scene) {
-            true => add_flat(&paths, &ends, order, &mut candidates),
+            true => add_flat(paths, &ends, order, &mut candidates),
             false => 0.0,
         };
         let found = paths.find(&ends, &candidates);
         let hidden = match search.diffracts {
-            true => HiddenReflections::among(&candidates, &found, &paths),
+            true => HiddenReflections::among(&candidates, &found, paths),
             false => HiddenReflections::default(),
         };
         let (paths_known, index_known) = retain(found.paths, |path| {
@@ -113,7 +111,7 @@ impl EarlyPart {
         });
         let known = Known {
             scene,
-            early: &paths,
+            early: paths,
             paths: &paths_known,
             complete,
             have_planes,
@@ -127,7 +125,7 @@ impl EarlyPart {
             }
             Err(why) => {
                 let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
-                let is_kept = stands_for_itself(&paths, vertices, why);
+                let is_kept = stands_for_itself(paths, vertices, why);
                 match is_kept || !known.has_image(&ends, vertices) {
                     true => Outcome::Itself,
                     false => Outcome::Another,
@@ -164,7 +162,7 @@ impl EarlyPart {
             let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
             Replaced::new(scene, paths.clone(), ends, &paths_known, vertices, beside)
         });
-        Ok(EarlyPart {
+        EarlyPart {
             outcomes,
             arrivals: arrivals.collect(),
             waves,
@@ -172,7 +170,7 @@ impl EarlyPart {
             paths: paths_known,
             hidden: hidden.reflections,
             search_left_out_share,
-        })
+        }
     }
 
     /// Number of waves used to search for paths: all waves, or the number that the limit of work allows.
@@ -475,13 +473,15 @@ mod tests {
                     source: Source(position: (-5, 1, 0)), listener: Listener(position: (6, 1.5, 1), radius: 0.2))";
         let scene = Scene::from_ron(text, "wall").expect("a scene");
         let hidden = |diffracts: bool| {
+            let pair = scene.pair(0, 0).expect("a pair");
             let search = Search {
-                pair: scene.pair(0, 0).expect("a pair"),
+                pair,
+                paths: &EarlyPaths::new(pair).expect("a valid scene"),
                 waves: 1,
                 order: 1,
                 diffracts,
             };
-            let part = EarlyPart::find(&search, &[], Vec::new()).expect("a scene");
+            let part = EarlyPart::find(&search, &[], Vec::new());
             let surfaces = part
                 .hidden_reflections()
                 .iter()
