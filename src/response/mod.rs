@@ -50,6 +50,7 @@ mod hidden;
 mod impulse_response;
 mod late;
 mod least_level;
+mod omnidirectional_path;
 mod settings;
 mod source_sound;
 #[cfg(test)]

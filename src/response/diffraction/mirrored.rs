@@ -189,9 +189,8 @@ impl MirroredSpace<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{around, around_mirrored, beside, beside_mirrored};
+    use super::super::{around, around_mirrored, beside, beside_mirrored, tests};
     use super::*;
-    use crate::scene::Scene;
 
     const SPEED: f64 = 343.0;
     const RIGID: fn(u32) -> Bands = |_| [1.0; BAND_COUNT];
@@ -199,12 +198,7 @@ mod tests {
     const LISTENER: DVec3 = DVec3::new(2.5, 0.9, -0.4);
 
     fn exact(surfaces: &str) -> ExactScene {
-        let text = format!(
-            "Scene(surfaces: [{surfaces}], source: Source(position: (-3, 0.4, 0.3)), \
-             listener: Listener(position: (2.5, 0.9, -0.4), radius: 0.1))"
-        );
-        let scene = Scene::from_ron(&text, "mirrored").expect("a scene");
-        ExactScene::new(&scene).expect("an exact scene")
+        tests::exact(surfaces, (SOURCE, LISTENER))
     }
 
     fn ground(surface: u32) -> Mirror {
