@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! Strings are pulled taut from the source to the listener around the solids between them (`string.rs`), in half-planes
-//! all around the line between them. Each local shortest string is a path (`bend.rs`). It turns at edges and along curved
+//! all around the line between them. Each local shortest string is a path (`bend`). It turns at edges and along curved
 //! surfaces (`turn.rs`, `profile.rs`). At an edge the angles of the faces are measured on the distances of the scene
 //! (`edge.rs`), and give the exact pressure behind a wedge (`wedge.rs`). Along a curved surface the sound creeps
 //! (`round.rs`). Several turns multiply (Pierce, *Diffraction of sound around corners and over wide barriers*, JASA 55,
@@ -24,6 +24,7 @@
 
 mod bend;
 mod brink;
+mod curvature;
 mod edge;
 mod interference;
 mod lit;
@@ -34,6 +35,7 @@ mod ring;
 mod round;
 mod space;
 mod string;
+mod tent;
 #[cfg(test)]
 mod tests;
 mod turn;
