@@ -30,7 +30,7 @@ pub(super) struct Hidden {
 }
 
 impl Hidden {
-    /// Finds the paths that the settings ask for, and changes the `paths` that are not hidden by the edges beside them.
+    /// Finds the hidden paths that the settings choose. Edges beside the other `paths` change their energies.
     /// `reflections` are the hidden reflections at plane faces.
     pub fn find(
         (pair, medium, early): (Pair, &Medium, &EarlyPaths),
