@@ -483,7 +483,7 @@ impl Tracer {
         program.set_texture("uOrigins", 0, origins);
         program.set_texture("uDirections", 1, directions);
         targets.bind_order(program);
-        program.set_texture("uOriginals", 6, targets.originals());
+        program.set_texture("uOriginals", 5, targets.originals());
         program.set_i32("uIsResampled", i32::from(part.is_resampled));
         self.scene.bind(program, 2);
         let is_start = part.first_iteration == 0 && !part.is_uploaded;
