@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 /// The accuracy of a response's figures, and the limits of the effort for it.
 ///
 /// Waves are traced in rounds. Each round has as many waves as the errors of the round before require. The last round
-/// is the result, and it equals a response with the same number of waves.
+/// is the result, and it equals a response with the same number of late waves
+/// ([`ResponseSettings::late_waves`]).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]

@@ -216,7 +216,50 @@ fn what_cannot_be_is_refused() {
         "--rate must be 8000 to 192000",
     );
     refuse(&["impulse", &file, "-o", &file], "must end in .wav");
+    refuse(
+        &["impulse", "shoebox", "--accuracy", "2"],
+        "write 2% for 2 per cent",
+    );
+    refuse(
+        &["impulse", "shoebox", "--accuracy", "20%"],
+        "0.001 to 0.05 (0.1 % to 5 %)",
+    );
+    refuse(
+        &["impulse", "shoebox", "--waves", "1024", "--time-limit", "1"],
+        "--time-limit needs --accuracy",
+    );
     assert!(!wav.exists());
+}
+
+/// Protects the accuracy: every figure has the requested error, and a limit of waves is kept. A figure that is missing is named with its cause.
+#[test]
+fn figures_have_the_accuracy_that_was_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("room.ron");
+    let text = "Scene(surfaces: [Surface(shape: Room(size: (8, 3, 5)), material: \"wall\")],
+        materials: {\"wall\": Material(absorption: 0.3, scattering: 0.2)},
+        source: Source(position: (-2, 0, -1)), listener: Listener(position: (2, 0, 1), radius: 0.3))";
+    std::fs::write(&file, text).unwrap();
+    let file = argument(&file);
+    let report: Value = json(&["impulse", file, "--accuracy", "1%"]);
+    let pair = &report["pairs"][0];
+    for time in ["edt_s", "t20_s", "t30_s"] {
+        let (values, errors) = (numbers(&pair[time]), numbers(&pair["error"][time]));
+        for (value, error) in values.iter().zip(errors) {
+            assert!(error <= 0.01 * value, "{time}: {value} {error}");
+        }
+    }
+    assert!(
+        numbers(&pair["error"]["c80_db"])
+            .iter()
+            .all(|error| *error <= 0.1)
+    );
+    let waves = pair["waves"].as_u64().unwrap();
+    let late = json(&["impulse", file, "--accuracy", "1%", "--waves", "1024"]);
+    assert_eq!(late["pairs"][0]["waves"], 1024);
+    let notes = late["pairs"][0]["notes"].to_string();
+    assert!(notes.contains("times the waves"), "{notes}");
+    assert!(waves > 1024 && waves < 1 << 20, "{waves}");
 }
 
 /// Protects against sound through walls, lost echoes, and empty tables without an explanation. A source inside a solid
