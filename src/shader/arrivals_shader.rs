@@ -39,6 +39,8 @@ pub(crate) struct ArrivalsText {
     pub transmits: bool,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
+    /// Whether faces of a mesh have different materials.
+    pub has_groups: bool,
 }
 
 impl ArrivalsText {
@@ -66,6 +68,7 @@ impl ArrivalsText {
             scatters: materials.scatter(),
             transmits: materials.transmit(),
             rooms: materials.rooms(),
+            has_groups: materials.has_groups(),
         };
         ArrivalsText {
             records: records.min(outputs - text.first_record()),
@@ -107,17 +110,18 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let scene = Text::new(scene, structure);
     let (fly, marches, mut library) = flight(&scene, text.algorithm);
     let options = format!(
-        "#define MARCHES_FIELDS {}\n\
+        "#define MARCHES_FIELDS {}\n#define MEETS_MESHES {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
          #define WORDS {}\n#define SCATTERS {}\n",
         u8::from(marches),
+        u8::from(scene.has_meshes()),
         text.event_bits,
         text.events_in_word(),
         text.words(),
         u8::from(text.scatters)
     );
     if text.event_bits > 0 {
-        library.extend(materials_parts(&scene, &text.rooms));
+        library.extend(materials_parts(&scene, text));
         library.extend(parts(source!("arrivals/walls.glsl")));
     }
     if text.scatters {
@@ -227,10 +231,12 @@ fn words(text: &ArrivalsText) -> String {
 /// The parts of `copyMaterials()` and `materialAt(object, turned)`. The latter returns the material number
 /// ([`Materials`]) of the object that changes a wave's direction by `turned`. `rooms` are the rooms whose walls have
 /// different materials.
-fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
-    let written = match Materials::fit_uniforms(text.unrolled.len(), rooms.len()) {
+fn materials_parts(text: &Text, options: &ArrivalsText) -> Vec<Part> {
+    let (rooms, has_groups) = (&options.rooms[..], options.has_groups);
+    let fit = Materials::fit_uniforms(text.unrolled.len(), rooms.len());
+    let written = match fit && !has_groups {
         true => by_uniforms(text, rooms),
-        false => by_table(text, rooms),
+        false => by_table(text, rooms, has_groups),
     };
     let mut parts = Vec::new();
     text.add(&mut parts, "the materials", written);
@@ -298,7 +304,7 @@ fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
 
 /// The shader text for many materials: all material numbers are in a table of the scene's data ([`Materials::table`]).
 /// Without a hit the looked-up number is not used.
-fn by_table(text: &Text, rooms: &[usize]) -> String {
+fn by_table(text: &Text, rooms: &[usize], has_groups: bool) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let mut own_axes = String::new();
     for named in text.unrolled.iter().filter(|named| is_room(&named.tag)) {
@@ -319,7 +325,14 @@ fn by_table(text: &Text, rooms: &[usize]) -> String {
         ),
     };
     let skeleton = source!("template/material_by_table.glsl");
-    fill(&skeleton, &[("of_walls", &of_walls)])
+    let of_groups = match has_groups {
+        true => source!("template/material_of_groups.glsl").text,
+        false => "".into(),
+    };
+    fill(
+        &skeleton,
+        &[("of_groups", &of_groups), ("of_walls", &of_walls)],
+    )
 }
 
 fn in_cells(text: &Text) -> String {

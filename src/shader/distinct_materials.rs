@@ -1,7 +1,6 @@
 //! The distinct materials of the surfaces that waves hit.
 
 use crate::bands::{BAND_COUNT, Bands};
-use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
 use std::collections::HashSet;
 
@@ -39,7 +38,12 @@ pub(super) fn distinct(all: impl Iterator<Item = Distinct>) -> Vec<Distinct> {
 /// and half-spaces have no far side. Other unbounded solids are treated like bounded ones.
 pub(super) fn has_far_side(scene: &Scene, index: usize) -> bool {
     let node = &scene.surfaces[index].shape.node;
-    !matches!(node, Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_))
+    let is_hollow = |mesh: &crate::scene::mesh::TriangleMesh| mesh.report().is_hollow;
+    match node {
+        Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_) => false,
+        Node::Mesh(of) => !is_hollow(&of.mesh),
+        _ => true,
+    }
 }
 
 /// All surfaces by their index, and instead of each room its walls.
@@ -53,10 +57,9 @@ pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
     faces(scene).map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
 }
 
-/// The walls of a room, or `None` for any other surface as a whole.
+/// The walls of a room, the groups of a mesh, or `None` for any other surface as a whole.
 pub(super) fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
-    let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
-    let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
-    let whole = std::iter::once(None).filter(move |_| !is_room);
-    walls.chain(whole)
+    let count = scene.surfaces[index].part_count();
+    let whole = std::iter::once(None).filter(move |_| count == 0);
+    (0..count).map(Some).chain(whole)
 }
