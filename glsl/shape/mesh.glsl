@@ -48,9 +48,12 @@ void meetTriangle(int at, vec3 p, vec3 d, float errorBound, inout float nearest,
     vec3 least = -(EDGE_ROUNDING * far + errorBound) * vec3(v.w, w.w, u.w);
     float speed = -dot(normal, d);
     float height = -dot(normal, a);
-    float t = max(height, 0.0) / max(speed, 1e-20);
+    float inexact = errorBound + HEIGHT_ROUNDING * far;
+    // Of two triangles in one plane, the one that contains the hit is met: the other is farther by the error bounds.
+    float beyond = min(products.x, min(products.y, products.z)) < 0.0 ? 2.0 * inexact : 0.0;
+    float t = (max(height, 0.0) + beyond) / max(speed, 1e-20);
     bool isInside = products.x >= least.x && products.y >= least.y && products.z >= least.z;
-    bool isAhead = speed > 0.0 && height >= -(errorBound + HEIGHT_ROUNDING * far);
+    bool isAhead = speed > 0.0 && height >= -inexact;
     if (isInside && isAhead && t < nearest) {
         nearest = t;
         met = float(at);
@@ -122,16 +125,20 @@ void projectMesh(vec3 p, vec3 d, float errorBound, out vec3 onto, out vec3 norma
     vec4 u = sceneData(at + 1);
     vec4 v = sceneData(at + 2);
     vec4 w = sceneData(at + 3);
-    vec3 bc = v.xyz - w.xyz;
-    vec3 ca = w.xyz - u.xyz;
-    vec3 ab = u.xyz - v.xyz;
-    vec3 products = max(edgeProducts(d, u.xyz - p, v.xyz - p, w.xyz - p, bc, ca, ab), vec3(0.0));
-    float sum = products.x + products.y + products.z;
-    vec3 shares = sum > 0.0 ? products / sum : vec3(1.0 / 3.0);
-    float doubleArea = max(length(cross(bc, ca)), 1e-30);
-    shares = max(shares, min(MESH_INSET * errorBound * vec3(v.w, w.w, u.w) / doubleArea, vec3(1.0 / 3.0)));
-    shares /= shares.x + shares.y + shares.z;
-    onto = shares.x * u.xyz + shares.y * v.xyz + shares.z * w.xyz;
+    vec3 toB = v.xyz - u.xyz;
+    vec3 toC = w.xyz - u.xyz;
+    vec3 across = cross(toB, toC);
+    float squared = max(dot(across, across), 1e-30);
+    vec3 a = u.xyz - p;
+    float speed = max(-dot(plane.xyz, d), 1e-20);
+    vec3 from = max(-dot(plane.xyz, a), 0.0) / speed * d - a;
+    from -= plane.xyz * dot(plane.xyz, from);
+    vec2 inner = vec2(dot(cross(from, toC), across), dot(cross(toB, from), across)) / squared;
+    vec3 shares = vec3(1.0 - inner.x - inner.y, inner);
+    vec3 least = min(MESH_INSET * errorBound * vec3(v.w, w.w, u.w) * inversesqrt(squared), vec3(1.0 / 3.0));
+    vec3 held = max(shares, least);
+    held /= held.x + held.y + held.z;
+    onto = u.xyz + (all(greaterThanEqual(shares, least)) ? from : held.y * toB + held.z * toC);
     normal = plane.xyz;
     meshGroup = plane.w;
 }

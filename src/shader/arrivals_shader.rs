@@ -2,7 +2,7 @@
 //! sphere.
 
 use super::materials::Materials;
-use super::pass_texts::{AlgorithmText, Directions, StartOrderText, start};
+use super::pass_texts::{AlgorithmText, Directions, StartOrderText, mesh_option, start};
 use super::structure::Structure;
 use super::text::{
     ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, fill, join, link,
@@ -110,11 +110,10 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let scene = Text::new(scene, structure);
     let (fly, marches, mut library) = flight(&scene, text.algorithm);
     let options = format!(
-        "#define MARCHES_FIELDS {}\n#define MEETS_MESHES {}\n\
+        "#define MARCHES_FIELDS {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
          #define WORDS {}\n#define SCATTERS {}\n",
         u8::from(marches),
-        u8::from(scene.has_meshes()),
         text.event_bits,
         text.events_in_word(),
         text.words(),
@@ -128,7 +127,11 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
         library.extend(parts(source!("arrivals/scatter.glsl")));
     }
     library.extend(parts(Source::new("outputs", written(text))));
-    let mut roots = vec![source!("wave.glsl"), Source::new("options", options), fly];
+    let mut roots = vec![source!("wave.glsl"), Source::new("options", options)];
+    if text.algorithm == AlgorithmText::March {
+        roots.push(mesh_option(&scene));
+    }
+    roots.push(fly);
     roots.extend(start(text.directions));
     let chunk = source!("arrivals/chunk.frag");
     let number = ("number", "number", "waveAt(texel)");

@@ -36,14 +36,13 @@ pub(super) fn distinct(all: impl Iterator<Item = Distinct>) -> Vec<Distinct> {
 
 /// Whether a line that enters the solid of a surface (counted from 0) can leave it again. The solids of rooms, planes
 /// and half-spaces have no far side. Other unbounded solids are treated like bounded ones.
+/// Waves of the late part do not pass meshes, because the far ends of their ways would take too long to find.
 pub(super) fn has_far_side(scene: &Scene, index: usize) -> bool {
     let node = &scene.surfaces[index].shape.node;
-    let is_hollow = |mesh: &crate::scene::mesh::TriangleMesh| mesh.report().is_hollow;
-    match node {
-        Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_) => false,
-        Node::Mesh(of) => !is_hollow(&of.mesh),
-        _ => true,
-    }
+    !matches!(
+        node,
+        Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_) | Node::Mesh(_)
+    )
 }
 
 /// All surfaces by their index, and instead of each room its walls.

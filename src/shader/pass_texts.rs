@@ -157,12 +157,13 @@ fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
             distance_parts(scene)
         }
         AlgorithmText::March => {
-            roots.push(options(scene.marches(Marched::All), scene.has_meshes()));
+            roots.push(options(scene.marches(Marched::All)));
+            roots.push(mesh_option(scene));
             roots.push(source!("iterate_march.glsl"));
             directed_parts(scene, ListenerText::Solid)
         }
         AlgorithmText::Hybrid => {
-            roots.push(options(scene.marches(Marched::Others), false));
+            roots.push(options(scene.marches(Marched::Others)));
             roots.push(source!("iterate_hybrid.glsl"));
             closed_form_parts(scene, ListenerText::Solid)
         }
@@ -171,14 +172,16 @@ fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     (roots, parts)
 }
 
-/// The options that state whether fields are marched, and whether meshes are intersected besides.
-fn options(marches_fields: bool, meets_meshes: bool) -> Source {
-    let defines = format!(
-        "#define MARCHES_FIELDS {}\n#define MEETS_MESHES {}\n",
-        u8::from(marches_fields),
-        u8::from(meets_meshes)
-    );
+/// The option that states whether fields are marched.
+fn options(marches_fields: bool) -> Source {
+    let defines = format!("#define MARCHES_FIELDS {}\n", u8::from(marches_fields));
     Source::new("options", defines)
+}
+
+/// The option of `march` that states whether lines are intersected with meshes.
+pub(super) fn mesh_option(scene: &Text) -> Source {
+    let defines = format!("#define MEETS_MESHES {}\n", u8::from(scene.has_meshes()));
+    Source::new("option of meshes", defines)
 }
 
 /// The text of a picture of a scene, from the sources that draw the picture.

@@ -3,8 +3,8 @@
 //! A line passes an edge on the side that the sign of a triple product states: direction · (corner × edge). Two
 //! triangles with a common edge compute the products of the same exact number with opposite signs. The rounding error
 //! of a product is bounded, and a product that is not below minus this bound counts as inside. At least one of the two
-//! triangles therefore accepts a line through their edge. A point of a hit is a weighted mean of the corners with
-//! weights that are not negative, so that it lies on the triangle, also if the line grazes the triangle.
+//! triangles therefore accepts a line through their edge. A point of a hit beyond an edge is moved back
+//! onto the triangle, because the distance along a line that grazes the triangle is inexact.
 
 use glam::{DVec3, Vec3};
 
@@ -79,23 +79,25 @@ impl Triangle {
     /// The point at which the line from `o` along `d` meets the triangle, moved onto the triangle and at least `inset`
     /// metres away from its edges.
     pub fn place(&self, o: DVec3, d: DVec3, inset: f64) -> DVec3 {
-        let corners = self.corners_f64();
+        let [a, b, c] = self.corners_f64();
+        let (to_b, to_c) = (b - a, c - a);
+        let across = to_b.cross(to_c);
+        let squared = across.length_squared();
+        let normal = self.exact_normal();
+        let height = (o - a).dot(normal).max(0.0);
+        let from = o + d * (height / -normal.dot(d)) - a;
+        let from = from - normal * normal.dot(from);
+        let share_b = from.cross(to_c).dot(across) / squared;
+        let share_c = to_b.cross(from).dot(across) / squared;
+        let shares = [1.0 - share_b - share_c, share_b, share_c];
         let edges = self.edges();
-        let double_area = edges[0].cross(edges[1]).length();
-        let products = self.products(o, d);
-        let sum: f64 = products.iter().map(|product| product.max(0.0)).sum();
-        let weights: [f64; 3] = std::array::from_fn(|i| {
-            let share = if sum > 0.0 {
-                products[i].max(0.0) / sum
-            } else {
-                1.0 / 3.0
-            };
-            let least = (inset * edges[i].length() / double_area).min(1.0 / 3.0);
-            share.max(least)
-        });
-        let whole: f64 = weights.iter().sum();
-        let [a, b, c] = corners;
-        (a * weights[0] + b * weights[1] + c * weights[2]) / whole
+        let least = edges.map(|edge| (inset * edge.length() / squared.sqrt()).min(1.0 / 3.0));
+        if from.is_finite() && (0..3).all(|i| shares[i] >= least[i]) {
+            return a + from;
+        }
+        let held: [f64; 3] = std::array::from_fn(|i| shares[i].max(least[i]));
+        let whole: f64 = held.iter().sum();
+        (a * held[0] + b * held[1] + c * held[2]) / whole
     }
 
     /// The point of the triangle nearest to `p`, and the part of the triangle that contains it.
