@@ -13,7 +13,8 @@ use divan::{Bencher, black_box};
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::Vec3;
 use echomarch::response::{Response, ResponseSettings, diffracted};
-use echomarch::scene::{Material, shape::Room};
+use echomarch::scene::Material;
+use echomarch::scene::shape::{Cuboid, Plane, Room};
 use echomarch::{Error, Listener, Scene, Settings, Source, Surface, Tracer};
 
 /// Waves per frame, as in README's table.
@@ -93,6 +94,30 @@ fn diffraction_of_a_hidden_pair(bencher: Bencher, shape: &str) {
 fn diffraction_of_a_pair_in_sight(bencher: Bencher, shape: &str) {
     let scene = behind(shape, Vec3::new(-2.5, 2.6, 1.0));
     bencher.bench_local(|| diffracted(black_box(&scene)));
+}
+
+/// A hidden pair among many boxes on a plane.
+#[divan::bench(args = [100, 10_000], sample_size = 1, sample_count = 20)]
+fn diffraction_among_boxes(bencher: Bencher, count: u16) {
+    let scene = among_boxes(count);
+    bencher.bench_local(|| diffracted(black_box(&scene)));
+}
+
+/// Boxes of 0.8 m on a square grid of 2 m, as high as 1 to 3 m. The source and the listener are between their rows.
+fn among_boxes(count: u16) -> Scene {
+    let rows = f32::from(count).sqrt().round() as u16;
+    let mut surfaces = vec![Surface::new(Plane)];
+    for row in 0..rows {
+        for column in 0..rows {
+            let height = 1.0 + f32::from((row * 7 + column * 3) % 11) * 0.2;
+            let [x, z] = [row, column].map(|at| 2.0 * f32::from(at) - f32::from(rows) + 1.0);
+            let size = Vec3::new(0.8, height, 0.8);
+            surfaces.push(Surface::new(Cuboid { size }).at(Vec3::new(x, 0.5 * height, z)));
+        }
+    }
+    let source = Source::at(Vec3::new(-6.0, 0.5, -6.0));
+    let listener = Listener::at(Vec3::new(5.9, 0.6, 4.1), 0.3);
+    Scene::new("boxes", surfaces, source, listener)
 }
 
 /// A body at the origin, with a source beside it.

@@ -27,6 +27,9 @@ pub struct Arrival {
     /// 1/m²: directivity × reflectances × chord ÷ (open volume of the sphere × waves). The directivity is the source's
     /// factor in the wave's start direction. The attenuation in air is not included.
     pub energy: Bands,
+    /// The contribution to the energy density in an inner sphere, as a multiple of `energy`: 0 if the wave does not
+    /// cross this sphere, and 1 without such a sphere.
+    pub(crate) inner: f64,
 }
 
 /// Sound that arrives at one instant, known exactly: the direct sound, or an early echo.

@@ -7,7 +7,8 @@
 //                    the first word of events
 //   words:           four more words of events, only with materials
 //   each record:     metres from the chunk's start to the middle of the chord; iteration +
-//                    chord * uChordScale, with the sign of the direction's z; direction x, y
+//                    chord * uChordScale, with the sign of the direction's z; direction x, y. With an inner
+//                    sphere, x is rounded to steps, and its fraction is chord * uChordScale in the inner sphere
 //
 // A wave with more crossings than records is drawn again as an entry of a list; the crossings already
 // recorded are then skipped.
@@ -16,6 +17,8 @@ uniform highp sampler2D uOrigins;      // the waves at the chunk's start
 uniform highp sampler2D uDirections;
 uniform highp sampler2D uList;         // each entry: number in the block (-1: unused), crossings to skip
 uniform bool uIsListed;
+uniform highp sampler2D uOriginals;    // after a resampling: the texel of each wave's original
+uniform bool uIsResampled;
 uniform bool uIsStart;                 // whether the waves begin at the source
 uniform uint uFirstWave;               // number of the block's first wave
 uniform int uIterationsInChunk;
@@ -56,6 +59,9 @@ void main() {
     copySettings();
     lengthLimit = uLengthLimit;
     chordScale = uChordScale;
+#if INNER_SPHERE
+    squaredInnerRadius = uInnerRadius * uInnerRadius;
+#endif
     ivec2 texel = ivec2(gl_FragCoord.xy);
     uint number = waveIndex();
     bool exists = true;
@@ -72,8 +78,13 @@ void main() {
     if (uIsStart) {
         startWave(wave, origin, direction);
     } else {
-        origin = texelFetch(uOrigins, texel, 0);
-        direction = texelFetch(uDirections, texel, 0);
+        ivec2 original = texel;
+        if (uIsResampled) {
+            uint place = uint(texelFetch(uOriginals, texel, 0).x);
+            original = ivec2(place % uGridWidth, place / uGridWidth);
+        }
+        origin = texelFetch(uOrigins, original, 0);
+        direction = texelFetch(uDirections, original, 0);
     }
     exists = exists && wave < uWaveCount;
     vec3 p = origin.xyz;

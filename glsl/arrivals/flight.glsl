@@ -6,6 +6,11 @@ const float STATUS_OVER = -3.0;       // has flown the requested length
 uniform float uLengthLimit;   // metres from the source after which a wave is not followed further
 uniform float uChordScale;    // 1 / (4 listener radii): scales a chord to at most a half
 
+#if INNER_SPHERE
+uniform float uInnerRadius;   // metres: a sphere within the listener's sphere, about the same centre
+
+float squaredInnerRadius = 0.0;
+#endif
 float lengthLimit = 0.0;
 float chordScale = 0.0;
 float startLength = 0.0;   // metres flown before the chunk, rounded
@@ -33,12 +38,28 @@ void addLength(float t) {
     rest += t - whole;
 }
 
+#if INNER_SPHERE
+// The direction's x in whole steps of 1 / X_STEPS, plus the part of the flight within the inner sphere as a fraction
+// below a half.
+float xAndInnerChord(float x, float along, float squaredAside, float t) {
+    const float X_STEPS = 512.0;
+    float halfChord = sqrt(max(squaredInnerRadius - squaredAside, 0.0));
+    float chord = min(halfChord - along, t) - max(-along - halfChord, 0.0);
+    return floor(X_STEPS * x + 0.5) + max(chord, 0.0) * chordScale;
+}
+#else
+float xAndInnerChord(float x, float along, float squaredAside, float t) {
+    return x;
+}
+#endif
+
 // If the flight of t metres from p along d crosses the listener, whose centre is the origin of the coordinates,
 // records the crossing. (If the flight begins or ends inside, only the part of the chord that it covers counts.)
 void crossListener(vec3 p, vec3 d, float t, float iteration) {
     float along = dot(p, d);
     vec3 aside = p - along * d;
-    float halfChord = sqrt(max(squaredListenerRadius - dot(aside, aside), 0.0));
+    float squaredAside = dot(aside, aside);
+    float halfChord = sqrt(max(squaredListenerRadius - squaredAside, 0.0));
     float enters = max(-along - halfChord, 0.0);
     float leaves = min(halfChord - along, t);
     bool crosses = leaves > enters;
@@ -46,7 +67,8 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
     // from the other two.
     float share = iteration + (leaves - enters) * chordScale;
     float middle = sixteenths + (rest + 0.5 * (enters + leaves));
-    vec4 record = vec4(middle, d.z < 0.0 ? -share : share, d.xy);
+    float x = xAndInnerChord(d.x, along, squaredAside, t);
+    vec4 record = vec4(middle, d.z < 0.0 ? -share : share, x, d.y);
     keepRecord(crosses ? crossings - passedOver : -1.0, record);
     crossings += crosses ? 1.0 : 0.0;
 }

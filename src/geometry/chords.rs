@@ -14,7 +14,7 @@ const DEPTH: f64 = 8.0;
 /// Halvings of a step in which the line passes a surface. The step then has the length of a rounding error.
 const HALVINGS: usize = 60;
 
-/// Maximum number of steps along a line. A line that approaches a plane at 0.2° takes half as many.
+/// Maximum number of steps along a line. A line that approaches a plane at 0.2° takes 10,000.
 const MOST_STEPS: usize = 20_000;
 
 /// Half the step of the difference quotients of a normal, as a share of the line's length.

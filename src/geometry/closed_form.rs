@@ -148,6 +148,15 @@ impl Placed {
         matches!(self.form, Form::Field(_))
     }
 
+    /// Whether the distance from a point in the air is never less than the distance to the bounding box: the value of a
+    /// field can be a lower bound.
+    pub fn has_exact_distance(&self) -> bool {
+        match &self.form {
+            Form::Field(field) => field.has_exact_distance(),
+            _ => true,
+        }
+    }
+
     /// Whether the shape is a room. Only the faces of a room can be hit twice in succession.
     pub fn is_room(&self) -> bool {
         matches!(self.form, Form::Room { .. })

@@ -44,6 +44,8 @@ pub struct ExactScene {
     /// The surfaces with a closed form, followed by the marched surfaces. A march does not continue beyond a hit of a
     /// surface with a closed form.
     pub(super) hierarchies: [Hierarchy; 2],
+    /// Indices of the surfaces whose distance can be less than that to their bounding box.
+    pub(super) with_bounds_of_distance: Vec<u32>,
     ear: Ear,
     /// Error bound of positions in metres.
     pub(super) error_bound: f64,
@@ -165,77 +167,15 @@ impl ExactScene {
             let boxes = of_kind.map(|(index, surface)| (index, surface.bounds().grown(spare)));
             Hierarchy::new(boxes.collect())
         });
+        let all = (0..).zip(&surfaces);
+        let with_bounds = all.filter(|(_, surface)| !surface.has_exact_distance());
         Ok(ExactScene {
+            with_bounds_of_distance: with_bounds.map(|(index, _)| index).collect(),
             surfaces,
             hierarchies,
             ear,
             error_bound,
         })
-    }
-
-    /// Signed distance in metres from a world point to the nearest surface, negative inside a solid. The listener is
-    /// ignored.
-    pub fn surface_distance(&self, point: DVec3) -> f64 {
-        self.surfaces
-            .iter()
-            .map(|surface| surface.distance(point))
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
-    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `face` is the number of the
-    /// surface, from 1, and the unit normal of its face.
-    pub(crate) fn distance_without_face(&self, point: DVec3, face: (u32, DVec3)) -> f64 {
-        let distance = |(number, surface): (u32, &Placed)| match number == face.0 {
-            true => surface.distance_without_face(point, face.1),
-            false => surface.distance(point),
-        };
-        let distances = (1..).zip(&self.surfaces).map(distance);
-        distances.fold(f64::INFINITY, f64::min)
-    }
-
-    /// Whether a world point is within `error_m` metres of the surface with this number, from 1.
-    pub(crate) fn is_on(&self, surface: u32, point: DVec3, error_m: f64) -> bool {
-        let index = (surface as usize).wrapping_sub(1);
-        let surface = self.surfaces.get(index);
-        surface.is_some_and(|surface| surface.distance(point).abs() <= error_m)
-    }
-
-    /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
-    pub(crate) fn nearest(&self, point: DVec3) -> u32 {
-        // Numbers start at 1.
-        self.nearest_except(point, 0)
-    }
-
-    /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 without
-    /// another surface.
-    pub(crate) fn nearest_except(&self, point: DVec3, except: u32) -> u32 {
-        let others = (1..)
-            .zip(&self.surfaces)
-            .filter(|(number, _)| *number != except);
-        let distances = others.map(|(number, surface)| (number, surface.distance(point)));
-        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map_or(0, |(number, _)| number)
-    }
-
-    /// Whether a world point is more than `depth` metres inside a solid.
-    pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
-        let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;
-        let mut hierarchies = self.hierarchies.iter();
-        hierarchies.any(|hierarchy| hierarchy.any_near(point, 0.0, is_in))
-    }
-
-    /// [`ExactScene::surface_distance`] if the bounding box of a surface is within `reach` metres, otherwise at least
-    /// `reach`.
-    pub(crate) fn distance_within(&self, point: DVec3, reach: f64) -> f64 {
-        let mut nearest = reach;
-        for hierarchy in &self.hierarchies {
-            hierarchy.any_near(point, reach, |index| {
-                nearest = nearest.min(self.surfaces[index].distance(point));
-                false
-            });
-        }
-        nearest
     }
 
     /// The first hit of a wave that starts in the air at `origin` (world metres) along `direction` (any length except

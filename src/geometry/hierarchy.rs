@@ -1,8 +1,8 @@
-//! A hierarchy of bounding boxes, which finds the surfaces that a line can hit or a point can lie in.
+//! A hierarchy of bounding boxes, which finds the surfaces that a line can hit, or that can be nearest to a point.
 //!
 //! This is a bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of
 //! complex scenes*, 1980), split at the median. It only selects the surfaces to test. The boxes have a margin that
-//! exceeds rounding errors, so the hits are bit-identical to those found by testing every surface.
+//! exceeds rounding errors, so the hits and distances are bit-identical to those found by testing every surface.
 
 use crate::scene::Bounds3;
 use glam::DVec3;
@@ -106,6 +106,26 @@ impl Hierarchy {
         origin: DVec3,
         direction: DVec3,
         until: f64,
+        ask: impl FnMut(usize, f64) -> f64,
+    ) -> u64 {
+        let line = Line {
+            origin,
+            inverse: direction.recip(),
+        };
+        self.nearest_first(|bounds| line.enters(bounds), until, ask)
+    }
+
+    /// Like [`Hierarchy::along`] for the surfaces whose bounding box is at most `until` metres from a point. A surface
+    /// whose box contains the point is always visited, because its distance can be negative.
+    pub fn around(&self, place: DVec3, until: f64, ask: impl FnMut(usize, f64) -> f64) -> u64 {
+        self.nearest_first(|bounds| least_distance(bounds, place), until, ask)
+    }
+
+    /// Visits surfaces by the least distance at which a box can contain a result.
+    fn nearest_first(
+        &self,
+        least: impl Fn(&Bounds3) -> f64,
+        until: f64,
         mut ask: impl FnMut(usize, f64) -> f64,
     ) -> u64 {
         let mut until = until;
@@ -113,23 +133,19 @@ impl Hierarchy {
             until = ask(index as usize, until);
         }
         let mut asked = self.always.len() as u64;
-        let line = Line {
-            origin,
-            inverse: direction.recip(),
-        };
         let mut waiting = [(0.0, 0); WAITING];
         let mut count = 0;
         if let Some(root) = self.nodes.first() {
-            waiting[0] = (line.enters(&root.bounds), 0);
+            waiting[0] = (least(&root.bounds), 0);
             count = 1;
         }
         while count > 0 {
             count -= 1;
-            let (enters, place) = waiting[count];
-            if !is_before(enters, until) {
+            let (from, own) = waiting[count];
+            if !is_before(from, until) {
                 continue;
             }
-            let node = &self.nodes[place as usize];
+            let node = &self.nodes[own as usize];
             if node.count > 0 {
                 for &index in self.in_leaf(node) {
                     until = ask(index as usize, until);
@@ -137,9 +153,8 @@ impl Hierarchy {
                 asked += u64::from(node.count);
                 continue;
             }
-            let halves = [place + 1, node.first];
-            let mut next =
-                halves.map(|half| (line.enters(&self.nodes[half as usize].bounds), half));
+            let halves = [own + 1, node.first];
+            let mut next = halves.map(|half| (least(&self.nodes[half as usize].bounds), half));
             asked += 2;
             if next[0].0 < next[1].0 {
                 next.swap(0, 1);
@@ -198,9 +213,18 @@ impl Line {
     }
 }
 
-/// Whether a box that the line enters at distance `enters` can contain a hit no farther than `until`.
-fn is_before(enters: f64, until: f64) -> bool {
-    enters < f64::INFINITY && enters <= until
+/// Whether a box that begins at the distance `from` can contain a result no farther than `until`.
+fn is_before(from: f64, until: f64) -> bool {
+    from < f64::INFINITY && from <= until
+}
+
+/// Distance in metres from a point to a box; −∞ if the box contains the point.
+fn least_distance(bounds: &Bounds3, place: DVec3) -> f64 {
+    let outside = (bounds.min - place).max(place - bounds.max);
+    match outside.max_element() > 0.0 {
+        true => outside.max(DVec3::ZERO).length(),
+        false => f64::NEG_INFINITY,
+    }
 }
 
 /// Whether a box is finite along some axis. A box without finite faces excludes nothing.
@@ -223,7 +247,8 @@ fn longest_axis(size: DVec3) -> usize {
 mod tests {
     use super::*;
     use crate::geometry::ExactScene;
-    use crate::scene::shape::{Cuboid, Cylinder, Plane, Prism, Room, Sphere, Torus};
+    use crate::geometry::closed_form::Placed;
+    use crate::scene::shape::{Cuboid, Cylinder, Ellipsoid, Plane, Prism, Room, Sphere, Torus};
     use crate::scene::{Listener, Node, Scene, Shape, Source, Surface};
     use crate::test_common::Random;
     use glam::{EulerRot, Quat, Vec2, Vec3};
@@ -346,6 +371,64 @@ mod tests {
             }
             prop_assert!(met > 100);
         }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        /// Protects distances and nearest surfaces: they are bit-identical to the least values of all surfaces, and of
+        /// equally distant surfaces the first is nearest. The cases include duplicated surfaces, points in solids, and
+        /// fields whose value is only a lower bound of the distance.
+        #[test]
+        fn the_hierarchy_changes_no_distance(seed in any::<u32>(), count in 17..160usize, is_far in any::<bool>()) {
+            let mut random = Random(seed.into());
+            let away = if is_far { Vec3::new(3000.0, -200.0, 70.0) } else { Vec3::ZERO };
+            let mut scene = scene(&mut random, count, away);
+            let radii = Vec3::new(1.0, 0.1, 0.3);
+            for _ in 0..20 {
+                let ellipsoid = Surface::new(Node::Ellipsoid(Ellipsoid { radii }));
+                scene.surfaces.push(ellipsoid.at(place(&mut random) + away));
+            }
+            let exact = ExactScene::new(&scene).expect("a valid scene");
+            prop_assert!(!exact.surfaces.iter().all(Placed::has_exact_distance));
+            let room = (1, DVec3::Y);
+            for number in 0..300 {
+                let far = if number % 3 == 0 { 4.0 } else { 1.0 };
+                let point = (place(&mut random) * far + away).as_dvec3();
+                let all: Vec<f64> = exact.surfaces.iter().map(|of| of.distance(point)).collect();
+                let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
+                prop_assert_eq!(exact.surface_distance(point).to_bits(), least(&all).to_bits());
+                let first = |of: &[f64]| 1 + of.iter().position(|d| *d == least(of)).unwrap();
+                let nearest = first(&all);
+                prop_assert_eq!(exact.nearest(point), nearest as u32);
+                let mut others = all.clone();
+                others[nearest - 1] = f64::INFINITY;
+                prop_assert_eq!(exact.nearest_except(point, nearest as u32), first(&others) as u32);
+                let mut opened = all;
+                opened[0] = exact.surfaces[0].distance_without_face(point, room.1);
+                let found = exact.distance_without_face(point, room);
+                prop_assert_eq!(found.to_bits(), least(&opened).to_bits());
+            }
+        }
+    }
+
+    /// Protects the speed with many surfaces: a point tests a small share of them.
+    #[test]
+    fn a_point_asks_few_of_many() {
+        let mut random = Random(5);
+        let exact = ExactScene::new(&scene(&mut random, 5000, Vec3::ZERO)).expect("a valid scene");
+        let mut asked = 0;
+        for _ in 0..100 {
+            let point = place(&mut random).as_dvec3();
+            let mut least = f64::INFINITY;
+            for hierarchy in &exact.hierarchies {
+                asked += hierarchy.around(point, least, |index, _| {
+                    least = least.min(exact.surfaces[index].distance(point));
+                    least
+                });
+            }
+        }
+        assert!(asked < 100 * 500, "{asked}");
     }
 
     /// Protects the speed with many surfaces: a line tests a small share of them.

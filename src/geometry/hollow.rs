@@ -24,7 +24,7 @@ const CONVEX: Hollow = Hollow {
 const ELLIPSOID: f64 = 2.0;
 
 impl Hollow {
-    /// A bound of −f″ for the value f of a shape in the air; `None` if none is known.
+    /// A bound of −f″ for the value f of a shape in the air; `None` for shapes without a known bound.
     pub fn in_air(shape: &Shape) -> Option<Hollow> {
         if shape.has_convex_value() {
             return Some(CONVEX);
@@ -56,7 +56,7 @@ impl Hollow {
         }
     }
 
-    /// A bound of f″ for the value f of a shape in the solid, and in the air; `None` if none is known.
+    /// A bound of f″ for the value f of a shape, in the solid and in the air; `None` for shapes without a known bound.
     fn in_solid(shape: &Shape) -> Option<Hollow> {
         match &shape.node {
             Node::Plane(_) | Node::HalfSpace(_) => Some(CONVEX),

@@ -6,7 +6,7 @@
 //! line that leaves the surface continues by steps of at least [`LEAST_STEP`].
 
 use super::sight::SightPart;
-use crate::scene::{Bounds3, Shape};
+use crate::scene::{Bounds3, Exactness, Shape};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -39,6 +39,7 @@ pub(super) struct MarchedField {
     extent: f64,
     bounds: Bounds3,
     convex: bool,
+    has_exact_distance: bool,
     /// The parts for lines of sight, made at the first of them.
     parts: OnceLock<Vec<SightPart>>,
 }
@@ -54,6 +55,7 @@ impl MarchedField {
             extent,
             bounds: properties.bounds,
             convex: properties.convex,
+            has_exact_distance: properties.in_air == Exactness::Exact,
             parts: OnceLock::new(),
         }
     }
@@ -61,6 +63,11 @@ impl MarchedField {
     /// Whether a wave that leaves the field must hit another object before it can hit the field again.
     pub fn is_convex(&self) -> bool {
         self.convex
+    }
+
+    /// Whether [`MarchedField::distance`] is the distance in the air, and not only a lower bound.
+    pub fn has_exact_distance(&self) -> bool {
+        self.has_exact_distance
     }
 
     /// The largest coordinate of the field in metres.

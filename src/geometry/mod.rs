@@ -34,6 +34,7 @@
 
 mod chords;
 mod closed_form;
+mod distances;
 mod exact;
 mod hierarchy;
 mod hollow;

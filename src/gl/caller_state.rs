@@ -23,7 +23,7 @@ const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 pub(super) const SCRATCH_UNIT: u32 = 31;
 
 /// The texture units whose bindings are restored: those that programs read from, and the scratch unit.
-pub(super) const UNITS: [u32; 6] = [0, 1, 2, 3, 4, SCRATCH_UNIT];
+pub(super) const UNITS: [u32; 7] = [0, 1, 2, 3, 4, 5, SCRATCH_UNIT];
 
 /// Pixel storage parameters of every version, with the initial values, which read-backs and uploads need.
 const PIXEL_STORE: [(u32, i32); 10] = [

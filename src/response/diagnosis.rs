@@ -4,6 +4,7 @@
 //! that consists of one [`Room`], because the volume and the walls of other scenes are unknown.
 
 use crate::bands::BAND_COUNT;
+use crate::response::figures::FIGURE_COUNT;
 use crate::response::{BandFigures, Figures};
 use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
@@ -34,25 +35,25 @@ impl Gap {
     /// states whether any sound arrives in the band.
     pub fn of(figures: &Figures, band: usize, is_heard: bool) -> Option<Gap> {
         match is_heard {
-            true => Gap::of_band(
-                &figures.bands[band],
-                figures.cut_off[band],
-                figures.have_few_arrivals[band],
-            ),
+            true => {
+                let mut withheld = (0..FIGURE_COUNT).map(|figure| figures.withheld(band, figure));
+                let is_withheld = withheld.any(|withheld| withheld.is_some());
+                Gap::of_band(&figures.bands[band], figures.cut_off[band], is_withheld)
+            }
             false => Some(Gap::Silence),
         }
     }
 
-    fn of_band(figures: &BandFigures, cut_off: Option<f64>, has_few_arrivals: bool) -> Option<Gap> {
+    fn of_band(figures: &BandFigures, cut_off: Option<f64>, is_withheld: bool) -> Option<Gap> {
         if cut_off.is_none_or(|share| share > TOLD_CUT_OFF) {
             return Some(Gap::TooShort);
         }
         let times = [figures.edt_s, figures.t20_s, figures.t30_s];
-        if times.iter().all(Option::is_some) && !has_few_arrivals {
+        if times.iter().all(Option::is_some) && !is_withheld {
             return None;
         }
         match figures.c80_db {
-            None if !has_few_arrivals => Some(Gap::NoLateSound),
+            None if !is_withheld => Some(Gap::NoLateSound),
             _ => Some(Gap::TooNoisy),
         }
     }

@@ -1,16 +1,18 @@
 //! The sound of a source that is hidden from the listener: paths around what is in the way, and the path through it.
 
-use super::diffraction::{self, DiffractedPath, Mirror};
-use super::source_sound::{HeardPath, Medium, PathKind, comes_from, reflectance};
+use super::diffraction::{self, Mirror};
+use super::omnidirectional_path::Path;
+use super::source_sound::{HeardPath, Medium, PathKind};
 use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
+use crate::platform::Instant;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath, Vertex};
 use crate::response::{ResponseSettings, Tap};
 use crate::scene::{IntoPair, Pair, Scene};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
+use std::time::Duration;
 
 /// The sound that obstacles hide, along paths around them and through them.
 #[derive(Default)]
@@ -23,41 +25,41 @@ pub(super) struct Hidden {
     through: Option<HeardPath>,
     /// The energy of the direct sound, or of the paths around what hides the source.
     first: Bands,
+    /// Time that diffraction took.
+    diffraction: Duration,
 }
 
 impl Hidden {
-    /// Finds the paths that the settings ask for, and changes the `paths` that are not hidden by the edges beside them.
+    /// Finds the hidden paths that the settings choose. Edges beside the other `paths` change their energies.
     /// `reflections` are the hidden reflections at plane faces.
-    ///
-    /// # Errors
-    /// The errors of [`EarlyPaths::new`].
     pub fn find(
-        pair: Pair,
-        medium: &Medium,
+        (pair, medium, early): (Pair, &Medium, &EarlyPaths),
         settings: &ResponseSettings,
         reflections: &[Vertex],
         paths: &mut [HeardPath],
-    ) -> Result<Hidden, Error> {
+    ) -> Hidden {
         let is_hidden = !paths.iter().any(HeardPath::is_direct);
         let transmits = settings.transmits() && is_hidden;
         if !settings.diffracts() && !transmits {
-            return Ok(Hidden::default());
+            return Hidden::default();
         }
-        let obstacles = Obstacles::of(pair, medium)?;
+        let obstacles = Obstacles::of(pair, medium, early);
         let mut hidden = Hidden::default();
+        let began = Instant::now();
         if settings.diffracts() {
             hidden.reflected = obstacles.reflections_around(reflections);
             obstacles.change_beside(paths);
-        }
-        if settings.diffracts() && is_hidden {
-            hidden.around = obstacles.paths_around();
+            if is_hidden {
+                hidden.around = obstacles.paths_around();
+            }
+            hidden.diffraction = began.elapsed();
         }
         let direct = paths.iter().filter(|path| path.is_direct());
         hidden.first = bands::sum(direct.chain(&hidden.around).map(|path| &path.energy));
         if transmits {
             hidden.through = obstacles.path_through(&hidden.around);
         }
-        Ok(hidden)
+        hidden
     }
 
     /// Whether the sound bends around what hides the source.
@@ -74,6 +76,11 @@ impl Hidden {
     /// Whether paths replace the waves that pass solids in a straight line.
     pub fn replaces_straight_waves(&self) -> bool {
         self.is_bent() || self.through.is_some()
+    }
+
+    /// Time in milliseconds that diffraction took.
+    pub fn diffraction_milliseconds(&self) -> f64 {
+        self.diffraction.as_secs_f64() * 1e3
     }
 
     /// An estimate of the reflections of higher order that do not bend, if more than one face reflects: the taps of those
@@ -111,11 +118,11 @@ impl Hidden {
 pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands), Error> {
     let pair = pair.chosen()?;
     let medium = Medium::of(pair);
-    let obstacles = Obstacles::of(pair, &medium)?;
+    let early = EarlyPaths::new(pair)?;
+    let obstacles = Obstacles::of(pair, &medium, &early);
     let around = obstacles.paths_around();
-    let faces = |surface: u32| pressure_reflection(pair.scene, surface);
     let beside = match obstacles.ends.filter(|_| around.is_empty()) {
-        Some(ends) => diffraction::beside(obstacles.early.exact(), ends, medium.speed, faces),
+        Some(ends) => diffraction::beside(early.exact(), ends, medium.speed, obstacles.faces()),
         None => [0.0; BAND_COUNT],
     };
     Ok((around, beside))
@@ -129,7 +136,7 @@ const MOST_REFLECTIONS: usize = 32;
 struct Obstacles<'a> {
     pair: Pair<'a>,
     medium: &'a Medium,
-    early: EarlyPaths,
+    early: &'a EarlyPaths,
     /// The source and the listener; `None` if either is in a solid.
     ends: Option<(DVec3, DVec3)>,
 }
@@ -143,17 +150,22 @@ struct Bent {
 }
 
 impl<'a> Obstacles<'a> {
-    fn of(pair: Pair<'a>, medium: &'a Medium) -> Result<Obstacles<'a>, Error> {
-        let early = EarlyPaths::new(pair)?;
+    fn of(pair: Pair<'a>, medium: &'a Medium, early: &'a EarlyPaths) -> Obstacles<'a> {
         let ends = early.ends(pair);
         let ends = (ends.source, ends.listener);
         let are_open = early.is_open(ends.0) && early.is_open(ends.1);
-        Ok(Obstacles {
+        Obstacles {
             pair,
             medium,
-            ends: are_open.then_some(ends),
             early,
-        })
+            ends: are_open.then_some(ends),
+        }
+    }
+
+    /// The pressure reflection coefficients of a surface, by its number and by band.
+    fn faces(&self) -> impl Fn(u32) -> Bands {
+        let scene = self.pair.scene;
+        move |surface| pressure_reflection(scene, surface)
     }
 
     /// The paths around what hides the source from the listener; none if they see each other, or if either is in a solid.
@@ -161,8 +173,8 @@ impl<'a> Obstacles<'a> {
         let Some(ends) = self.ends else {
             return Vec::new();
         };
-        let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
-        let paths = diffraction::around(self.early.exact(), ends, self.medium.speed, faces);
+        let (exact, speed) = (self.early.exact(), self.medium.speed);
+        let paths = diffraction::around(exact, ends, speed, self.faces());
         let paths = paths.into_iter().map(Path::from);
         paths
             .map(|path| path.heard(self.pair, self.medium))
@@ -179,9 +191,9 @@ impl<'a> Obstacles<'a> {
         nearest.sort_by(|a, b| way_m(a.1).total_cmp(&way_m(b.1)));
         nearest.truncate(MOST_REFLECTIONS);
         let bent = |(reflection, vertex): (usize, &Vertex)| {
-            let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
             let (exact, speed) = (self.early.exact(), self.medium.speed);
-            let paths = diffraction::around_mirrored(exact, mirror(vertex), ends, speed, faces);
+            let paths =
+                diffraction::around_mirrored(exact, mirror(vertex), ends, speed, self.faces());
             let wall = self.wall(vertex);
             let paths = paths
                 .into_iter()
@@ -205,8 +217,7 @@ impl<'a> Obstacles<'a> {
             .filter(|path| path.is_direct() || self.plane_of(&path.path).is_some());
         let mut changed: Vec<&mut HeardPath> = reflected.take(MOST_REFLECTIONS).collect();
         changed.par_iter_mut().for_each(|path| {
-            let faces = |surface: u32| pressure_reflection(self.pair.scene, surface);
-            let (exact, speed) = (self.early.exact(), self.medium.speed);
+            let (exact, speed, faces) = (self.early.exact(), self.medium.speed, self.faces());
             let beside = match (path.kind, self.plane_of(&path.path)) {
                 (PathKind::Direct, _) => diffraction::beside(exact, ends, speed, faces),
                 (PathKind::Mirrored, Some(vertex)) => {
@@ -240,25 +251,19 @@ impl<'a> Obstacles<'a> {
     /// The path straight through what hides the source from the listener; `None` if nothing passes, or if either is in a
     /// solid. `around` are the paths around the obstacle: it intercepts only the rest of the front.
     fn path_through(&self, around: &[HeardPath]) -> Option<HeardPath> {
-        let (source, listener) = self.ends?;
-        let ends = (source, listener);
+        let ends = self.ends?;
         let passed = transmission::through(self.pair.scene, self.early.exact(), ends)?;
-        let (direction, length_m) = (listener - source).normalize_and_length();
-        let detour = |path: &HeardPath| path.path.length_m - length_m;
+        let straight = Path::straight(PathKind::Transmitted, ends)?;
+        let detour = |path: &HeardPath| path.path.length_m - straight.length_m;
         let detours: Vec<f64> = around.iter().map(detour).collect();
         let intercepted = diffraction::intercepted(&detours, self.medium.speed);
-        let arriving = intercepted.map(|share| share * spreading(length_m));
+        let passing = |band: usize| intercepted[band] * straight.energy[band] * passed.share[band];
         let path = Path {
-            kind: PathKind::Transmitted,
-            reflections: Vec::new(),
             walls: vec![None; passed.surfaces.len()],
             points: passed.points,
             surfaces: passed.surfaces,
-            length_m,
-            departure: direction,
-            arrival_direction: direction,
-            energy: std::array::from_fn(|band| arriving[band] * passed.share[band]),
-            errors_db: [0.0; BAND_COUNT],
+            energy: std::array::from_fn(passing),
+            ..straight
         };
         Some(path.heard(self.pair, self.medium))
     }
@@ -281,88 +286,6 @@ fn mirror(vertex: &Vertex) -> Mirror {
     }
 }
 
-/// Energy density in 1/m² at a distance in metres from a source of power 1.
-fn spreading(length_m: f64) -> f64 {
-    1.0 / (4.0 * PI * length_m * length_m)
-}
-
-/// A path from a hidden source.
-struct Path {
-    kind: PathKind,
-    points: Vec<DVec3>,
-    surfaces: Vec<u32>,
-    /// Indices of the points at which it is reflected.
-    reflections: Vec<usize>,
-    /// The walls of rooms at which it is reflected.
-    walls: Vec<Option<u8>>,
-    length_m: f64,
-    departure: DVec3,
-    arrival_direction: DVec3,
-    /// Energy density at the listener by band, in 1/m² for an omnidirectional source of power 1, without the loss in
-    /// the air.
-    energy: Bands,
-    errors_db: Bands,
-}
-
-impl From<DiffractedPath> for Path {
-    fn from(path: DiffractedPath) -> Path {
-        Path {
-            kind: PathKind::Diffracted,
-            walls: vec![None; path.surfaces.len()],
-            reflections: path.reflections,
-            points: path.points,
-            surfaces: path.surfaces,
-            length_m: path.length_m,
-            departure: path.departure,
-            arrival_direction: path.arrival_direction,
-            energy: path.energy,
-            errors_db: path.errors_db,
-        }
-    }
-}
-
-impl Path {
-    /// A diffracted path with reflections at one face; `wall` is the face's wall of a room.
-    fn reflected(path: DiffractedPath, scene: &Scene, wall: Option<u8>) -> Path {
-        let mut path = Path::from(path);
-        for &point in &path.reflections {
-            path.walls[point] = wall;
-            let reflected = reflectance(scene, &[(path.surfaces[point], wall)]);
-            path.energy = std::array::from_fn(|band| path.energy[band] * reflected[band]);
-        }
-        path
-    }
-
-    /// The sound along the path, with the source's level and directivity, and the loss in the air.
-    fn heard(self, pair: Pair, medium: &Medium) -> HeardPath {
-        let radiated = pair.source.factor(self.departure);
-        let emitted = std::array::from_fn(|band| self.energy[band] * radiated[band] * medium.level);
-        let (azimuth, elevation) = comes_from(pair.listener, -self.arrival_direction);
-        let length_m = self.length_m;
-        HeardPath {
-            kind: self.kind,
-            reflections: self.reflections,
-            path: SpecularPath {
-                walls: self.walls,
-                surfaces: self.surfaces,
-                points: self.points,
-                length_m,
-                departure: self.departure,
-                arrival_direction: self.arrival_direction,
-                spreading: spreading(length_m),
-                is_focus: false,
-                found_by: 0,
-                is_searched: true,
-            },
-            delay_s: length_m / medium.speed,
-            energy: bands::through_air(&emitted, &medium.air, length_m),
-            errors_db: self.errors_db,
-            azimuth,
-            elevation,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -374,17 +297,10 @@ mod tests {
             air: [0.0; BAND_COUNT],
             ..Medium::of(pair)
         };
+        let straight = Path::straight(PathKind::Diffracted, (DVec3::ZERO, 10.0 * DVec3::X));
         let path = Path {
-            kind: PathKind::Diffracted,
-            points: Vec::new(),
-            surfaces: Vec::new(),
-            reflections: Vec::new(),
-            walls: Vec::new(),
-            length_m: 10.0,
-            departure: DVec3::X,
-            arrival_direction: DVec3::X,
             energy: [energy; BAND_COUNT],
-            errors_db: [0.0; BAND_COUNT],
+            ..straight.expect("two points")
         };
         path.heard(pair, &medium)
     }
@@ -404,11 +320,10 @@ mod tests {
             let reflected = reflected.into_iter().enumerate();
             let hidden = Hidden {
                 first: [around; BAND_COUNT],
-                around: Vec::new(),
                 reflected: reflected
                     .map(|(index, energy)| bent(index, energy))
                     .collect(),
-                through: None,
+                ..Hidden::default()
             };
             let taps = hidden.further_reflections();
             taps.iter().map(|tap| tap.energy[0]).collect()

@@ -1,11 +1,10 @@
 //! The least level of a source: energy that is added so that a hidden source does not vanish.
 
 use super::Response;
-use super::exact_paths::SpecularPath;
-use super::source_sound::{HeardPath, Medium, PathKind, comes_from};
+use super::omnidirectional_path::Path;
+use super::source_sound::{HeardPath, Medium, PathKind};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Pair;
-use std::f64::consts::PI;
 
 /// Adds a path with the energy that is missing in bands below the least level, if any. `least_db` is relative to the
 /// direct sound in the open, in decibels.
@@ -41,32 +40,7 @@ fn strongest(paths: &[HeardPath]) -> Option<&HeardPath> {
 
 /// The direct sound in the open; `None` if the source is at the listener's centre, where its energy is infinite.
 fn straight(pair: Pair, medium: &Medium) -> Option<HeardPath> {
-    let (source, listener) = (pair.source.position, pair.listener.position);
-    let way = listener.as_dvec3() - source.as_dvec3();
-    let (direction, length_m) = (way.try_normalize()?, way.length());
-    let spreading = 1.0 / (4.0 * PI * length_m * length_m);
-    let radiated = pair.source.factor(direction);
-    let emitted = radiated.map(|share| share * spreading * medium.level);
-    let (azimuth, elevation) = comes_from(pair.listener, -direction);
-    Some(HeardPath {
-        kind: PathKind::Direct,
-        reflections: Vec::new(),
-        path: SpecularPath {
-            surfaces: Vec::new(),
-            walls: Vec::new(),
-            points: Vec::new(),
-            length_m,
-            departure: direction,
-            arrival_direction: direction,
-            spreading,
-            is_focus: false,
-            found_by: 0,
-            is_searched: true,
-        },
-        delay_s: length_m / medium.speed,
-        energy: bands::through_air(&emitted, &medium.air, length_m),
-        errors_db: [0.0; BAND_COUNT],
-        azimuth,
-        elevation,
-    })
+    let ends = (pair.source.position, pair.listener.position);
+    let ends = (ends.0.as_dvec3(), ends.1.as_dvec3());
+    Some(Path::straight(PathKind::Direct, ends)?.heard(pair, medium))
 }

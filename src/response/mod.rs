@@ -37,6 +37,7 @@
 //! # Ok::<(), echomarch::response::ResponseError>(())
 //! ```
 
+mod accuracy;
 mod diagnosis;
 mod diffraction;
 mod duration;
@@ -50,6 +51,7 @@ mod hidden;
 mod impulse_response;
 mod late;
 mod least_level;
+mod omnidirectional_path;
 mod settings;
 mod source_sound;
 #[cfg(test)]
@@ -57,13 +59,18 @@ mod tests;
 mod transmission;
 
 pub use crate::arrival::{Arrival, Tap};
+pub use accuracy::Accuracy;
+#[doc(hidden)]
+pub use accuracy::Round;
 #[doc(hidden)]
 pub use diagnosis::{Flutter, Gap, flutters};
 pub use echogram::{Echogram, EchogramRow};
 pub use error::ResponseError;
 pub(crate) use error::check_taps;
 pub use figures::{BandFigures, Figures};
-pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
+pub(crate) use figures::{CommonErrors, Differences, Record, uncertain_energy};
+#[doc(hidden)]
+pub use figures::{Precision, Withheld};
 pub use heard_source::{HeardKind, HeardSource};
 #[doc(hidden)]
 pub use hidden::diffracted;
@@ -78,7 +85,8 @@ use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
-use early_part::{Caught, EarlyPart};
+use early_part::{Caught, EarlyPart, Search};
+use exact_paths::EarlyPaths;
 pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
 use hidden::Hidden;
@@ -132,8 +140,14 @@ pub struct Response {
     /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling, and waves behind solids,
     /// are not counted.
     pub counts: ArrivalCounts,
+    /// Number of waves for late arrivals, including pilot waves.
+    #[serde(default)]
+    pub waves: u32,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
+    /// The part of `milliseconds` that diffraction took. It hardly depends on the number of waves. 0 without
+    /// diffraction.
+    pub diffraction_milliseconds: f64,
 }
 
 impl Response {
@@ -147,9 +161,28 @@ impl Response {
         pair: impl IntoPair<'a>,
         settings: &ResponseSettings,
     ) -> Result<Response, Error> {
-        Response::of_pair(tracer, pair.chosen()?, settings)
+        Response::trace_observed(tracer, pair, settings, &mut |_| ())
     }
 
+    /// Like [`Response::trace`]; `observe` receives each round of a response with a requested accuracy.
+    ///
+    /// # Errors
+    /// The errors of [`Response::trace`].
+    #[doc(hidden)]
+    pub fn trace_observed<'a>(
+        tracer: &mut Tracer,
+        pair: impl IntoPair<'a>,
+        settings: &ResponseSettings,
+        observe: &mut dyn FnMut(Round),
+    ) -> Result<Response, Error> {
+        let pair = pair.chosen()?;
+        match &settings.accuracy {
+            Some(accuracy) => accuracy::trace(tracer, pair, settings, accuracy, observe),
+            None => Response::of_pair(tracer, pair, settings),
+        }
+    }
+
+    /// The response of the given number of waves.
     fn of_pair(
         tracer: &mut Tracer,
         pair: Pair,
@@ -157,9 +190,28 @@ impl Response {
     ) -> Result<Response, Error> {
         let began = Instant::now();
         let seconds = settings.seconds_needed(tracer, pair)?;
+        let late = LateSphere::of(pair, settings.order_in(pair.scene));
+        let in_sphere = |tracer: &mut Tracer, late: LateSphere| {
+            Response::in_sphere(tracer, pair, settings, seconds, late)
+        };
+        let (mut response, is_biased) = in_sphere(tracer, late)?;
+        if is_biased {
+            (response, _) = in_sphere(tracer, LateSphere::own(pair.listener))?;
+        }
+        response.milliseconds = began.elapsed().as_secs_f64() * 1e3;
+        Ok(response)
+    }
+
+    /// The response with late arrivals counted in this sphere, and whether the figures are biased by its size.
+    fn in_sphere(
+        tracer: &mut Tracer,
+        pair: Pair,
+        settings: &ResponseSettings,
+        seconds: f64,
+        late: LateSphere,
+    ) -> Result<(Response, bool), Error> {
         let order = settings.order_in(pair.scene);
         let medium = Medium::of(pair);
-        let late = LateSphere::of(pair, order);
         // Bins begin at the earliest possible arrival, so that the times 50 and 80 ms after this arrival lie on edges
         // of bins.
         let first_s = medium.direct_s;
@@ -171,20 +223,28 @@ impl Response {
             counts,
             early,
             straight,
+            inner,
             travel_on,
         } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
-        let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
+        let early_paths = EarlyPaths::new(pair)?;
+        let search = Search {
+            pair,
+            paths: &early_paths,
+            waves: settings.trace.waves,
+            order,
+            diffracts: settings.diffracts(),
+        };
+        let part = EarlyPart::find(&search, &starts, early);
         let all_paths = part.heard(pair, &medium);
         let is_hidden = direct(&all_paths).is_none();
         let mut paths = all_paths.clone();
         let hidden = Hidden::find(
-            pair,
-            &medium,
+            (pair, &medium, &early_paths),
             settings,
             part.hidden_reflections(),
             &mut paths,
-        )?;
+        );
         // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
         let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && hidden.is_bent();
         part.left_over(|reflection| hidden.is_reflection_bent(reflection))
@@ -194,6 +254,7 @@ impl Response {
         if is_hidden && !hidden.replaces_straight_waves() {
             echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
         }
+        let diffraction_milliseconds = hidden.diffraction_milliseconds();
         let further_reflections = hidden.further_reflections();
         paths.extend(hidden.into_paths());
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
@@ -207,6 +268,11 @@ impl Response {
         let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);
         if let Some(common) = late.errors {
             figures = figures.with_common_errors(&common);
+        }
+        let record = Record::new(&taps, &echogram, ends_s);
+        let in_inner = inner.map(|inner| inner.of_figures(&record, direct_s));
+        if let Some(differences) = &in_inner {
+            figures = figures.with_bias(differences);
         }
         if !further_reflections.is_empty() {
             let all = [&taps[..], &further_reflections].concat();
@@ -240,12 +306,17 @@ impl Response {
             seconds,
             followed_s,
             counts,
-            milliseconds: began.elapsed().as_secs_f64() * 1e3,
+            waves: settings.late_trace().waves,
+            milliseconds: 0.0,
+            diffraction_milliseconds,
         };
         if let Some(least_db) = settings.least_level_db {
             least_level::raise(&mut response, pair, &medium, least_db);
         }
-        Ok(response)
+        Ok((
+            response,
+            in_inner.is_some_and(|in_inner| late::are_biased(&in_inner)),
+        ))
     }
 
     /// The direct sound; `None` if it is obstructed.

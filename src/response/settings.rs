@@ -1,7 +1,7 @@
 //! Settings of responses.
 
 use crate::error::Error;
-use crate::response::{Echogram, ImpulseSettings, ResponseError};
+use crate::response::{Accuracy, Echogram, ImpulseSettings, ResponseError};
 use crate::scene::{Scene, Surface};
 use crate::serialised::finite;
 use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError};
@@ -51,6 +51,9 @@ pub struct ResponseSettings {
     /// contain the added energy.
     #[serde(serialize_with = "finite")]
     pub least_level_db: Option<f64>,
+    /// The accuracy of the figures. If present, it determines the number of late waves, and `late_waves` is ignored.
+    /// `None` (the default) traces the given number of waves.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// The fields of [`ResponseSettings`], all of them optional.
@@ -67,6 +70,7 @@ struct SettingsFile {
     diffraction: bool,
     transmission: bool,
     least_level_db: Option<f64>,
+    accuracy: Option<Accuracy>,
 }
 
 impl Default for SettingsFile {
@@ -82,6 +86,7 @@ impl Default for SettingsFile {
             diffraction,
             transmission,
             least_level_db,
+            accuracy,
         } = ResponseSettings::default();
         SettingsFile {
             trace,
@@ -94,6 +99,7 @@ impl Default for SettingsFile {
             diffraction,
             transmission,
             least_level_db,
+            accuracy,
         }
     }
 }
@@ -113,6 +119,7 @@ impl TryFrom<SettingsFile> for ResponseSettings {
             diffraction: file.diffraction,
             transmission: file.transmission,
             least_level_db: file.least_level_db,
+            accuracy: file.accuracy,
         };
         settings.validate()?;
         Ok(settings)
@@ -140,6 +147,7 @@ impl Default for ResponseSettings {
             diffraction: false,
             transmission: true,
             least_level_db: None,
+            accuracy: None,
         }
     }
 }
@@ -187,6 +195,13 @@ impl ResponseSettings {
     #[must_use]
     pub fn with_late_waves(mut self, waves: u32) -> ResponseSettings {
         self.late_waves = Some(waves);
+        self
+    }
+
+    /// Sets the accuracy of the figures.
+    #[must_use]
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> ResponseSettings {
+        self.accuracy = Some(accuracy);
         self
     }
 
@@ -282,6 +297,9 @@ impl ResponseSettings {
                 let must = format!("{lowest_db} to 0 decibels");
                 return Err(bad("least level", must, least_db));
             }
+        }
+        if let Some(accuracy) = &self.accuracy {
+            accuracy.validate()?;
         }
         if self.late_waves == Some(0) {
             return Err(bad("number of late waves", "1 or more".to_owned(), 0));

@@ -57,6 +57,7 @@ impl Room {
                 {
                     let reflectance = self.reflectance(&line);
                     take(Arrival {
+                        inner: 1.0,
                         wave,
                         is_early: false,
                         reflections: order,

@@ -69,8 +69,8 @@ pub(super) struct Transmitted {
     pub points: Vec<DVec3>,
 }
 
-/// The sound that passes the solids between two points in the air. `None` if there are no solids, a solid transmits
-/// nothing, or the share of every band is less than `LEAST_SHARE`.
+/// The sound that passes the solids between two points in the air. `None` without solids, if a solid transmits
+/// nothing, or if the share of every band is less than `LEAST_SHARE`.
 pub(super) fn through(
     scene: &Scene,
     exact: &ExactScene,
@@ -201,7 +201,7 @@ impl Leaf {
         let mut layers: Vec<(Transmission, f64)> = Vec::new();
         let mut until = f64::NEG_INFINITY;
         for chord in chords {
-            // Where solids overlap, the first counts.
+            // Two solids that overlap count once, as the first of them.
             let length_m = (chord.leaves_m - chord.enters_m.max(until)).max(0.0);
             until = until.max(chord.leaves_m);
             let index = chord.surface as usize - 1;

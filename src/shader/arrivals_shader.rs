@@ -37,6 +37,8 @@ pub(crate) struct ArrivalsText {
     pub scatters: bool,
     /// Whether passages through solids are recorded.
     pub transmits: bool,
+    /// Whether the chords in a second, inner sphere are recorded.
+    pub has_inner_sphere: bool,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
     /// Whether faces of a mesh have different materials.
@@ -67,6 +69,7 @@ impl ArrivalsText {
             has_words,
             scatters: materials.scatter(),
             transmits: materials.transmit(),
+            has_inner_sphere: false,
             rooms: materials.rooms(),
             has_groups: materials.has_groups(),
         };
@@ -112,12 +115,13 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let options = format!(
         "#define MARCHES_FIELDS {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
-         #define WORDS {}\n#define SCATTERS {}\n",
+         #define WORDS {}\n#define SCATTERS {}\n#define INNER_SPHERE {}\n",
         u8::from(marches),
         text.event_bits,
         text.events_in_word(),
         text.words(),
-        u8::from(text.scatters)
+        u8::from(text.scatters),
+        u8::from(text.has_inner_sphere)
     );
     if text.event_bits > 0 {
         library.extend(materials_parts(&scene, text));

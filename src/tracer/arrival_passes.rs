@@ -1,9 +1,9 @@
 //! The passes that trace arrivals: waves that pass a transparent listener.
 
 use super::arrivals::{
-    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
-    Listed, MOST_PASSAGES, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow,
-    kept, listed_rows, open_volume, thinned,
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed,
+    ITERATIONS_BEFORE_RESAMPLING, LISTED_AT_MOST, Listed, MOST_PASSAGES, Passage, Replay, Start,
+    Transmitting, WAVES_IN_BLOCK, WavesToFollow, kept, listed_rows, open_volume, thinned,
 };
 use super::block_waves::Waves;
 use super::gpu_scene::check_uniforms;
@@ -17,7 +17,8 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
-use crate::scene::{IntoPair, Pair, Scene, Source};
+use crate::sampling::{hash, unit_interval};
+use crate::scene::{IntoPair, Listener, Pair, Scene, Source};
 use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
@@ -47,6 +48,10 @@ pub(super) struct Run {
     iterations: u32,
     /// Iterations of a chunk.
     iterations_in_chunk: u32,
+    /// Whether waves of a block are replaced by waves of about equal energy.
+    resamples: bool,
+    /// Radius of the inner sphere in metres; 0 without one.
+    inner_radius_m: f32,
     /// Bands that the waves carry.
     bands: Range<usize>,
     /// A block of waves is followed while its waves have more than this share of their initial energy.
@@ -58,9 +63,22 @@ struct Part {
     first_wave: u32,
     /// Whether the starts of the waves have been uploaded to the textures that the first chunk reads.
     is_uploaded: bool,
+    /// Whether each wave continues the wave of its original's texel.
+    is_resampled: bool,
     first_iteration: u32,
     iterations: u32,
     rows: Range<u32>,
+}
+
+impl Run {
+    /// A random number, 0 … 1, for resampling a block before an iteration.
+    fn random(&self, first_wave: u32, iteration: u32) -> f64 {
+        let numbers = [self.frame.settings.seed, first_wave, iteration];
+        let mixed = numbers
+            .iter()
+            .fold(0, |mixed, number| hash(mixed ^ u64::from(*number)));
+        unit_interval(mixed)
+    }
 }
 
 impl Part {
@@ -71,6 +89,7 @@ impl Part {
         (left > 0 && !rows.is_empty()).then(|| Part {
             first_wave: self.first_wave,
             is_uploaded: self.is_uploaded,
+            is_resampled: false,
             first_iteration,
             iterations: left.min(run.iterations_in_chunk),
             rows,
@@ -217,9 +236,17 @@ impl Tracer {
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let order = start_order(scene, &settings);
         let march = (asked.algorithm, settings.directions, order);
-        let text = ArrivalsText::new(march, &materials, how.records, outputs);
+        let text = ArrivalsText {
+            has_inner_sphere: how.inner_radius_m.is_some(),
+            ..ArrivalsText::new(march, &materials, how.records, outputs)
+        };
         let in_chunk = text.most_iterations().unwrap_or(Settings::MAX_ITERATIONS);
         settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
+        if how.resamples && materials.scatter() {
+            settings.iterations_per_pass = settings
+                .iterations_per_pass
+                .min(ITERATIONS_BEFORE_RESAMPLING);
+        }
         let asked = loops_asked(&settings);
         let structure = self.check_input(scene, &settings)?;
         let values = materials.uniform_values(&structure.layout.unrolled);
@@ -229,6 +256,8 @@ impl Tracer {
         let rebasing = asked.algorithm.rebasing(pair.listener);
         self.scene.set(scene, rebasing, structure, &materials)?;
         let open_volume_m3 = open_volume(pair);
+        // Without scattering the copies of a wave would stay together.
+        let materials_scatter = materials.scatter();
         let compiled = &self.scene.compiled;
         let program = {
             let programs = &mut self.shared.borrow_mut().programs;
@@ -255,6 +284,8 @@ impl Tracer {
             ),
             open_volume_m3,
             iterations: how.iterations,
+            resamples: how.resamples && materials_scatter,
+            inner_radius_m: how.inner_radius_m.unwrap_or(0.0),
             least_energy: how.least_energy,
             bands: how.bands.clone(),
             frame,
@@ -299,6 +330,7 @@ impl Tracer {
         let mut part = Part {
             first_wave: waves.first(),
             is_uploaded: waves.are_uploaded(),
+            is_resampled: false,
             first_iteration: 0,
             iterations: run.iterations_in_chunk.min(run.iterations),
             rows: 0..grid.waves.div_ceil(grid.width),
@@ -312,13 +344,22 @@ impl Tracer {
             block.rows = part.rows.clone();
             let list = block.list(targets.tally(), targets.text.records);
             let listed = self.draw_lists(run, &targets, &part, &list)?;
-            let next = part.next(run, block.rows_travelling(targets.tally()));
+            let mut next = part.next(run, block.rows_travelling(targets.tally()));
             targets.flip();
-            if let Some(next) = &next {
+            if let Some(next) = next.as_ref().filter(|_| !run.resamples) {
                 self.draw_chunk(run, &targets, next)?;
             }
             let chunk = targets.chunk(&listed, part.iterations);
             arrivals += block.replay(&run.replay, &chunk, passages, take);
+            // Resampling needs the energies at the end of this chunk, so the next chunk waits for them.
+            if let Some(next) = next.as_mut().filter(|_| run.resamples) {
+                next.is_resampled = block.is_uneven();
+                if next.is_resampled {
+                    let random = run.random(waves.first(), next.first_iteration);
+                    targets.upload_originals(&block.resample(random))?;
+                }
+                self.draw_chunk(run, &targets, next)?;
+            }
             if passages.len() > MOST_PASSAGES {
                 let seed = run.passage_seed(waves.generation(), block.iterations);
                 *passages = thinned(std::mem::take(passages), MOST_PASSAGES / 2, seed);
@@ -379,6 +420,7 @@ impl Tracer {
         run.program.set_f32("uLengthLimit", limit as f32);
         let scale = 1.0 / run.replay.chord_unit;
         run.program.set_f32("uChordScale", scale as f32);
+        run.program.set_f32("uInnerRadius", run.inner_radius_m);
         run.program.set_vec4_array("uMaterials", &run.materials);
         if let Some(events) = &run.replay.events {
             let count = events.materials().count();
@@ -441,6 +483,8 @@ impl Tracer {
         program.set_texture("uOrigins", 0, origins);
         program.set_texture("uDirections", 1, directions);
         targets.bind_order(program);
+        program.set_texture("uOriginals", 5, targets.originals());
+        program.set_i32("uIsResampled", i32::from(part.is_resampled));
         self.scene.bind(program, 2);
         let is_start = part.first_iteration == 0 && !part.is_uploaded;
         program.set_i32("uIsStart", i32::from(is_start));
@@ -527,7 +571,18 @@ fn replay(
         true => 1.0 / (volume * f64::from(settings.waves)),
         false => 0.0,
     };
+    let inner = how.inner_radius_m.map(|radius| {
+        let listener = Listener {
+            radius,
+            ..pair.listener.clone()
+        };
+        match open_volume(pair.with_listener(&listener)) {
+            inner if inner > 0.0 => volume / inner,
+            _ => 0.0,
+        }
+    });
     Replay {
+        inner,
         early_order: how.early_order,
         length_limit: how.seconds * pair.scene.speed_of_sound(),
         chord_unit: 4.0 * f64::from(pair.listener.radius),

@@ -239,13 +239,25 @@ fn sound_does_not_bend_unless_it_is_asked_for() {
     assert!(kinds.contains(&PathKind::Diffracted), "{kinds:?}");
 }
 
+/// Protects the time that a response states for its diffraction: callers that limit the time for waves subtract it.
+#[test]
+fn responses_state_the_time_of_their_diffraction() {
+    let text = "Scene(surfaces: [Surface(shape: Box(size: (0.1, 4, 40)))], \
+                source: Source(position: (-2, -0.5, 0)), listener: Listener(position: (2, -0.5, 0), radius: 0.05))";
+    let [without, with] =
+        [false, true].map(|diffraction| response(&mut tracer(), text, diffraction));
+    assert_eq!(without.diffraction_milliseconds, 0.0);
+    assert!(with.diffraction_milliseconds > 0.0);
+    assert!(with.diffraction_milliseconds < with.milliseconds);
+}
+
 /// The response of a scene.
 fn response(tracer: &mut Tracer, text: &str, diffraction: bool) -> Response {
     let scene = Scene::from_ron(text, "test").expect("a scene");
     let settings = ResponseSettings::default()
         .with_seconds(0.4)
         .with_diffraction(diffraction)
-        .with_trace(Settings::default().with_waves(1024));
+        .with_trace(Settings::default().with_waves(4096));
     Response::trace(tracer, &scene, &settings).expect("a response")
 }
 
@@ -278,4 +290,60 @@ fn reflections_bend_over_a_wall_on_the_ground() {
         let expected_db = rigid.reflections.len() as f64 * 10.0 * 0.25_f64.log10();
         assert!((lost_db - expected_db).abs() < 1e-6, "{lost_db} dB");
     }
+}
+
+/// Protects the energy of a reflection that bends: its path replaces the waves that pass the obstacle and reach a part of
+/// the listener's sphere. They are not in the echogram too.
+#[test]
+fn waves_of_a_reflection_that_bends_are_not_counted_twice() {
+    // The reflection at the ground would pass the wall at a height of 0.1 m, and the highest of its waves 0.3 m higher.
+    let text = "Scene(surfaces: [Surface(shape: Plane), \
+                Surface(shape: Box(size: (0.01, 0.16, 400)), position: (0, 0.08, 0))], \
+                source: Source(position: (-1.5, 1, 0)), listener: Listener(position: (1.5, 1.2, 0), radius: 0.6))";
+    let mut tracer = tracer();
+    let [without, with] = [false, true].map(|diffraction| response(&mut tracer, text, diffraction));
+    let is_reflected = |path: &&HeardPath| path.reflections.len() == 1;
+    assert_eq!(without.paths.iter().filter(is_reflected).count(), 0);
+    assert!(without.echogram.total()[3] > 0.0);
+    let mut bent = with.paths.iter().filter(is_reflected);
+    assert!(bent.any(|path| path.kind == PathKind::Diffracted));
+    assert_eq!(with.echogram.total(), [0.0; 8]);
+}
+
+/// Protects the time of responses in scenes with many faces: of 40 reflections that a ball hides, the 32 with the
+/// shortest ways bend.
+#[test]
+fn the_shortest_hidden_reflections_bend() {
+    const PANELS: u32 = 40;
+    const BENT: u32 = 32;
+    // Panels around the line from the source to the listener, each 2 cm farther from it than the one before.
+    let panel = |index: u32| {
+        let angle = f64::from(index) * 2.0 * PI / f64::from(PANELS);
+        let distance = 5.05 + 0.02 * f64::from(index);
+        let (y, z) = (distance * angle.cos(), distance * angle.sin());
+        let degrees = angle.to_degrees();
+        format!(
+            "Surface(shape: Box(size: (2, 0.1, 0.6)), position: (0, {y}, {z}), rotation: ({degrees}, 0, 0))"
+        )
+    };
+    let panels: Vec<String> = (0..PANELS).map(panel).collect();
+    let text = format!(
+        "Scene(surfaces: [Surface(shape: Sphere(radius: 1.58), position: (1.3, 0, 0)), {}], \
+         source: Source(position: (-3, 0, 0)), listener: Listener(position: (3, 0, 0), radius: 0.05))",
+        panels.join(", ")
+    );
+    let paths = response(&mut tracer(), &text, true).paths;
+    let mut reflecting: Vec<u32> = paths
+        .iter()
+        .flat_map(|path| {
+            path.reflections
+                .iter()
+                .map(|point| path.path.surfaces[*point])
+        })
+        .collect();
+    reflecting.sort_unstable();
+    reflecting.dedup();
+    // The ball has the number 1.
+    let nearest: Vec<u32> = (2..2 + BENT).collect();
+    assert_eq!(reflecting, nearest);
 }

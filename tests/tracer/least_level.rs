@@ -32,8 +32,9 @@ fn relative_db(energy: &Bands, direct: &Bands) -> Bands {
     std::array::from_fn(|band| 10.0 * (energy[band] / direct[band]).log10())
 }
 
-/// Protects a source that nothing is heard from: it gets the least level in each band, relative to its direct sound
-/// with its level, directivity and loss in the air, in a straight line. The figures do not contain the added energy.
+/// Protects a silent source: it gets the least level in each band. The level is relative to the direct sound in the open,
+/// which includes the source's level, its directivity and the loss in the air. The figures do not contain the added
+/// energy.
 #[test]
 fn a_silent_source_gets_the_least_level() {
     let direct = response(&field(""), &ResponseSettings::default()).energy();
@@ -99,7 +100,7 @@ fn only_what_is_missing_is_added() {
     assert_eq!(raised.figures, plain.figures);
 }
 
-/// Protects sources in sight: they are louder than any least level, so nothing is added.
+/// Protects sources in sight: their direct sound is louder than any least level, so their response stays the same.
 #[test]
 fn nothing_is_added_to_direct_sound() {
     let settings = ResponseSettings::default();

@@ -6,8 +6,8 @@ use echomarch::response::{HeardPath, PathKind, Response, ResponseSettings};
 use echomarch::{Scene, Settings};
 use std::f64::consts::PI;
 
-/// A room of 10 × 3 × 5 m, divided by a wall of 0.2 m that turns by 30° about the vertical, so that nothing is seen or
-/// mirrored from one part to the other.
+/// A room of 10 × 3 × 5 m, divided by a wall of 0.2 m that turns by 30° about the vertical, which blocks all direct and
+/// mirrored paths from one part to the other.
 fn divided(wall: &str, materials: &str) -> Scene {
     let text = format!(
         "Scene(surfaces: [

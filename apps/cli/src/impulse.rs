@@ -1,5 +1,6 @@
 //! `echomarch impulse`: impulse responses and room acoustic figures.
 
+mod accuracy;
 mod files;
 mod flutter;
 mod missing;
@@ -12,6 +13,7 @@ use super::numbers::{count, real};
 use super::options::{Common, DiffractionOption, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
+use accuracy::AccuracyOptions;
 use clap::{Args, ValueEnum};
 use echomarch::Error;
 use echomarch::audio::Sound;
@@ -26,7 +28,8 @@ use std::sync::Arc;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch impulse hall.ron                         figures of the room, and its early paths
+  echomarch impulse hall.ron                         figures of the room to 2 %, and its early paths
+  echomarch impulse hall.ron --accuracy 0.5% --time-limit 60
   echomarch impulse hall.ron -o ir.wav --waves 262144
   echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
   echomarch impulse hall.ron -o ir.wav --format binaural --sofa head.sofa
@@ -83,9 +86,8 @@ pub struct Arguments {
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
     #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
     profile: Profile,
-    /// Number of sound waves, 1 to 16777216
-    #[arg(long, allow_negative_numbers = true, default_value_t = 65_536, value_name = "N", value_parser = count::<u32>)]
-    waves: u32,
+    #[command(flatten)]
+    accuracy: AccuracyOptions,
     /// Seed of the start directions, and of the noise of the late part
     #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     seed: u32,
@@ -124,7 +126,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
     let mut heard: Vec<(NamedPair, Response)> = Vec::new();
     for pair in pairs {
-        let response = Response::trace(&mut tracer, pair.pair, &settings)?;
+        let response = Response::trace_observed(&mut tracer, pair.pair, &settings, &mut |round| {
+            bar.set_message(accuracy::of_round(&settings, &round));
+        })?;
         files::write(arguments, &format, &pair, &response)?;
         heard.push((pair, response));
         bar.inc(1);
@@ -141,11 +145,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 
 impl Arguments {
     fn settings(&self) -> anyhow::Result<ResponseSettings> {
-        let trace = Settings::new(Algorithm::of(self.profile))
-            .with_waves(self.waves)
-            .with_seed(self.seed)
-            .with_directions(self.directions);
+        let mut trace = Settings::new(Algorithm::of(self.profile));
+        if let Some(waves) = self.accuracy.exact_waves() {
+            trace.waves = waves;
+        }
+        let trace = trace.with_seed(self.seed).with_directions(self.directions);
         let mut settings = ResponseSettings::default().with_trace(trace);
+        settings.accuracy = self.accuracy.accuracy()?;
         settings.order = self.order;
         settings.seconds = self.seconds;
         settings.diffraction = self.diffraction.diffraction;

@@ -44,7 +44,7 @@ pub fn progress(quiet: bool, total: u64, unit: &str) -> ProgressBar {
         ProgressDrawTarget::stderr()
     };
     let bar = ProgressBar::with_draw_target(Some(total), target);
-    let template = format!("{{bar:40}} {{pos}}/{{len}} {unit} {{eta}} left");
+    let template = format!("{{bar:40}} {{pos}}/{{len}} {unit} {{eta}} left {{msg}}");
     if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }

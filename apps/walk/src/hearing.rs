@@ -4,6 +4,9 @@
 
 use super::drawn_paths::{self, DrawnPath};
 use super::parts::Parts;
+use super::wave_budget::{
+    LEAST_LATE_WAVES, LEAST_WAVES, LONGEST_LOOK_S, MOST_WAVES, TraceTime, early_waves, late_waves,
+};
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
 use echomarch::internals::shader::is_marched;
@@ -13,22 +16,6 @@ use echomarch::tracer::{Profile, Settings, Tracer};
 use echomarch::{Error, bands};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Maximum number of waves of a response. More are not needed: the echoes are exact, and the late part is replaced
-/// after a quarter of a second.
-const MOST_WAVES: u32 = 16_384;
-
-/// Usual minimum number of waves for late arrivals. With fewer waves, the energy of each 10 ms consists of only a few
-/// arrivals, and the late part sounds rough.
-const LEAST_LATE_WAVES: u32 = 1024;
-
-/// Number of waves in the first trace of a scene with marched fields, whose duration is unknown. The same number is the
-/// minimum in a trace that takes longer than [`LONGEST_LOOK_S`]. 64 waves fill eight vectors of a software renderer.
-const LEAST_WAVES: u32 = 64;
-
-/// Maximum duration, in seconds, of a trace with more than the minimum number of waves. If a trace would take longer, a
-/// rough late part and missing echoes are preferable to the sound of a place that the listener has left.
-const LONGEST_LOOK_S: f64 = 1.0;
 
 /// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an
 /// expensive scene. A response of this length contains the first echoes of a room.
@@ -40,9 +27,6 @@ const ESTIMATE_WAVES: f64 = 4096.0;
 /// Maximum predicted duration, in seconds, of an estimate of the response length. In more expensive scenes, the length
 /// is the longest that the minimum number of waves can trace in [`LONGEST_LOOK_S`].
 const LONGEST_ESTIMATE_S: f64 = 8.0;
-
-/// Target duration of a trace, in seconds. After a longer trace, the echoes lag behind the listener.
-const LOOK_S: f64 = 0.25;
 
 /// Maximum number of reflections of exact paths.
 const ORDER: u32 = 3;
@@ -215,10 +199,11 @@ impl Hearing {
         };
         let mut curve = vec![0.0; CURVE_POINTS];
         let mut paths = Vec::new();
-        let mut on_late = Duration::ZERO;
+        let (mut on_late, mut diffraction_ms) = (Duration::ZERO, 0.0);
         for source in 0..scene.sources.len() {
             let pair = scene.pair(source, LISTENER)?;
             let mut response = Response::trace(&mut self.tracer, pair, &how)?;
+            diffraction_ms += response.diffraction_milliseconds;
             parts.keep(&mut response)?;
             status.sources.push(HeardSource::of(&response));
             paths.extend(drawn_paths::of_response(pair, &response));
@@ -237,14 +222,14 @@ impl Hearing {
         status.paths = paths.into();
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
-        let tracing = tracing.elapsed().saturating_sub(on_late);
+        let took = TraceTime::new(tracing.elapsed().saturating_sub(on_late), diffraction_ms);
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
-        self.cost = Some(tracing.as_secs_f64() / (f64::from(self.late_waves) * seconds));
+        self.cost = Some(took.waves.as_secs_f64() / (f64::from(self.late_waves) * seconds));
         self.early_waves_heard = status.waves;
-        self.early_waves = early_waves(self.early_waves, tracing);
-        self.late_waves = late_waves(self.late_waves, tracing);
+        self.early_waves = early_waves(self.early_waves, took);
+        self.late_waves = late_waves(self.late_waves, took);
         self.last_look = Instant::now();
         if is_late_due {
             self.last_late = Some(self.last_look);
@@ -308,23 +293,6 @@ fn length_of_dear(cost: f64) -> f64 {
     fit.clamp(FIRST_LENGTH_S, LONGEST_S)
 }
 
-/// The number of waves for the next late part, after a trace of `before` waves that took `took`.
-fn late_waves(before: u32, took: Duration) -> u32 {
-    let usual = fitting(before, took, LOOK_S);
-    usual.max(fitting(before, took, LONGEST_LOOK_S).min(LEAST_LATE_WAVES))
-}
-
-/// The number of waves for the next early arrivals, after a trace of `before` waves that took `took`.
-fn early_waves(before: u32, took: Duration) -> u32 {
-    fitting(before, took, LONGEST_LOOK_S)
-}
-
-/// The number of waves, within the limits, that would take `seconds`.
-fn fitting(before: u32, took: Duration, seconds: f64) -> u32 {
-    let fit = f64::from(before) * seconds / took.as_secs_f64();
-    (fit as u32).clamp(LEAST_WAVES, MOST_WAVES)
-}
-
 /// The settings of responses with at most `most` waves for early arrivals.
 fn response_settings(chosen: &Settings, most: u32) -> ResponseSettings {
     let waves = chosen.waves.min(most);
@@ -362,30 +330,6 @@ fn in_decibels(curve: &[f64]) -> Vec<f32> {
 mod tests {
     use super::*;
     use echomarch::gl::ContextOptions;
-
-    /// Protects the user from waiting seconds for echoes, and the late part from unnecessary roughness.
-    #[test]
-    fn late_waves_follow_the_time_of_looks() {
-        let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));
-        assert_eq!(after(8192, LOOK_S), 8192);
-        assert_eq!(after(8192, 2.0 * LOOK_S), 4096);
-        assert_eq!(after(2048, 0.5 * LOOK_S), 4096);
-        assert_eq!(after(2048, 0.0), MOST_WAVES);
-        assert_eq!(after(MOST_WAVES, 4.0), LEAST_LATE_WAVES);
-        assert_eq!(after(2048, 1.5), LEAST_LATE_WAVES);
-        assert_eq!(after(1024, 4.0), 256);
-        assert_eq!(after(1024, 600.0), LEAST_WAVES);
-    }
-
-    /// Protects the user of an expensive field from waiting for a minute, and checks that cheap scenes keep all echoes.
-    #[test]
-    fn early_waves_are_as_many_as_take_a_second() {
-        let after = |before, seconds| early_waves(before, Duration::from_secs_f64(seconds));
-        assert_eq!(after(LEAST_WAVES, 0.001), MOST_WAVES);
-        assert_eq!(after(MOST_WAVES, LONGEST_LOOK_S), MOST_WAVES);
-        assert_eq!(after(8192, 2.0 * LONGEST_LOOK_S), 4096);
-        assert_eq!(after(1024, 40.0), LEAST_WAVES);
-    }
 
     /// Protects the user of an expensive field from waiting for an estimate of the length: it is made only if it is
     /// quick.

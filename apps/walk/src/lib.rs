@@ -22,6 +22,7 @@ mod plan;
 mod values;
 mod visit;
 mod walk;
+mod wave_budget;
 mod world;
 
 pub use drawn_paths::{DRAWN_PER_SOURCE, DrawnPath};

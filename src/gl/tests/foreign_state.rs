@@ -13,7 +13,7 @@ const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 
 /// The texture units that the tests compare.
-const UNITS: [u32; 7] = [0, 1, 2, 3, 4, 7, 31];
+const UNITS: [u32; 8] = [0, 1, 2, 3, 4, 5, 7, 31];
 
 /// Parameters of every version, except capabilities.
 const PARAMETERS: [u32; 62] = [

@@ -5,7 +5,7 @@
 
 use super::edge::Edge;
 use super::space::Space;
-use super::string::bisect;
+use super::tent::bisect;
 use glam::DVec3;
 use num_complex::Complex64;
 

@@ -189,9 +189,8 @@ impl MirroredSpace<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{around, around_mirrored, beside, beside_mirrored};
+    use super::super::{around, around_mirrored, beside, beside_mirrored, tests};
     use super::*;
-    use crate::scene::Scene;
 
     const SPEED: f64 = 343.0;
     const RIGID: fn(u32) -> Bands = |_| [1.0; BAND_COUNT];
@@ -199,12 +198,7 @@ mod tests {
     const LISTENER: DVec3 = DVec3::new(2.5, 0.9, -0.4);
 
     fn exact(surfaces: &str) -> ExactScene {
-        let text = format!(
-            "Scene(surfaces: [{surfaces}], source: Source(position: (-3, 0.4, 0.3)), \
-             listener: Listener(position: (2.5, 0.9, -0.4), radius: 0.1))"
-        );
-        let scene = Scene::from_ron(&text, "mirrored").expect("a scene");
-        ExactScene::new(&scene).expect("an exact scene")
+        tests::exact(surfaces, (SOURCE, LISTENER))
     }
 
     fn ground(surface: u32) -> Mirror {
@@ -314,6 +308,62 @@ mod tests {
                 assert!(path.points[*reflection].y.abs() < 1e-9);
                 assert_eq!(path.surfaces[*reflection], 1);
             }
+        }
+    }
+
+    /// Protects reciprocity: paths with reflections before and after the bends have the same energies if source and
+    /// listener change places, and lead through the same points in the opposite order.
+    #[test]
+    fn source_and_listener_may_change_places() {
+        for obstacles in [
+            WALL,
+            "Surface(shape: Box(size: (0.7, 1.3, 2)), position: (0.4, 0.65, 0.3), rotation: (0, 25, 0))",
+            "Surface(shape: Sphere(radius: 1.2), position: (-0.3, 0.9, 0.2))",
+            "Surface(shape: Box(size: (0.2, 2, 4)), position: (-1, 1, 0)), \
+             Surface(shape: Box(size: (0.3, 1.5, 6)), position: (1, 0.75, 0))",
+        ] {
+            let scene = exact(&format!("Surface(shape: Plane), {obstacles}"));
+            for (source, listener) in [
+                (SOURCE, LISTENER),
+                (DVec3::new(-2.5, 1.1, -0.7), DVec3::new(3.0, 0.2, 0.5)),
+                (DVec3::new(-4.0, 0.1, 0.1), DVec3::new(2.2, 0.6, 0.9)),
+            ] {
+                let [there, back] = [(source, listener), (listener, source)]
+                    .map(|ends| around_mirrored(&scene, ground(1), ends, SPEED, RIGID));
+                assert!(!there.is_empty(), "{obstacles}");
+                assert_eq!(there.len(), back.len(), "{obstacles}");
+                for (there, back) in there.iter().zip(&back) {
+                    for band in 0..BAND_COUNT {
+                        let apart_db = 10.0 * (there.energy[band] / back.energy[band]).log10();
+                        assert!(
+                            apart_db.abs() < 0.1,
+                            "{obstacles}, band {band}: {apart_db} dB"
+                        );
+                    }
+                    let mut reversed = back.clone();
+                    reversed.points.reverse();
+                    assert_eq!(reversed.points, there.points);
+                    for index in &there.reflections {
+                        let same = there.points.len() - 1 - index;
+                        assert!(back.reflections.contains(&same), "{there:?}, {back:?}");
+                    }
+                    assert_eq!(back.departure, -there.arrival_direction);
+                }
+            }
+        }
+    }
+
+    /// Protects reciprocity beside a free reflection.
+    #[test]
+    fn ends_of_a_free_reflection_may_change_places() {
+        let low = "Surface(shape: Box(size: (0.2, 0.2, 40)), position: (0, 0.1, 0))";
+        let scene = exact(&format!("Surface(shape: Plane), {low}"));
+        let (source, listener) = (DVec3::new(-3.0, 0.8, 0.0), DVec3::new(1.0, 1.8, 0.4));
+        let [there, back] = [(source, listener), (listener, source)]
+            .map(|ends| beside_mirrored(&scene, ground(1), ends, SPEED, RIGID));
+        for (there, back) in there.into_iter().zip(back) {
+            let apart_db = 10.0 * (there / back).log10();
+            assert!(apart_db.abs() < 0.1, "{apart_db} dB");
         }
     }
 

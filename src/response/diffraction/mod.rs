@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! Strings are pulled taut from the source to the listener around the solids between them (`string.rs`), in half-planes
-//! all around the line between them. Each local shortest string is a path (`bend.rs`). It turns at edges and along curved
+//! all around the line between them. Each local shortest string is a path (`bend`). It turns at edges and along curved
 //! surfaces (`turn.rs`, `profile.rs`). At an edge the angles of the faces are measured on the distances of the scene
 //! (`edge.rs`), and give the exact pressure behind a wedge (`wedge.rs`). Along a curved surface the sound creeps
 //! (`round.rs`). Several turns multiply (Pierce, *Diffraction of sound around corners and over wide barriers*, JASA 55,
@@ -24,6 +24,7 @@
 
 mod bend;
 mod brink;
+mod curvature;
 mod edge;
 mod interference;
 mod lit;
@@ -34,6 +35,7 @@ mod ring;
 mod round;
 mod space;
 mod string;
+mod tent;
 #[cfg(test)]
 mod tests;
 mod turn;
@@ -111,8 +113,18 @@ pub(super) fn around(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Vec<DiffractedPath> {
-    let ways = ways_around(exact, in_order(ends));
-    let paths = ways.map_or(Vec::new(), |ways| ways.paths(exact, speed, coefficients));
+    from_either_end(ends, |ends| {
+        let ways = ways_around(exact, ends);
+        ways.map_or(Vec::new(), |ways| ways.paths(exact, speed, coefficients))
+    })
+}
+
+/// The paths that a search from the same end of a pair gives, as paths from the source to the listener.
+fn from_either_end(
+    ends: Ends,
+    search: impl FnOnce(Ends) -> Vec<DiffractedPath>,
+) -> Vec<DiffractedPath> {
+    let paths = search(in_order(ends));
     match in_order(ends) == ends {
         true => paths,
         false => paths.into_iter().map(DiffractedPath::reversed).collect(),
@@ -129,7 +141,7 @@ fn in_order((source, listener): Ends) -> Ends {
 }
 
 /// The diffracted paths from a source to a listener that are reflected at a plane face; none if its reflection reaches
-/// the listener without bending.
+/// the listener without bending. The energies do not change if source and listener change places.
 pub(super) fn around_mirrored(
     exact: &ExactScene,
     mirror: Mirror,
@@ -137,7 +149,8 @@ pub(super) fn around_mirrored(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Vec<DiffractedPath> {
-    MirroredSpace { exact, mirror }.around(ends, speed, coefficients)
+    let space = MirroredSpace { exact, mirror };
+    from_either_end(ends, |ends| space.around(ends, speed, coefficients))
 }
 
 /// The energy of the reflection at a plane face, relative to that without obstacles, by band, with the edges beside its
@@ -149,7 +162,7 @@ pub(super) fn beside_mirrored(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Bands {
-    MirroredSpace { exact, mirror }.beside(ends, speed, coefficients)
+    MirroredSpace { exact, mirror }.beside(in_order(ends), speed, coefficients)
 }
 
 /// The ways from a source to a listener around what is between them; `None` if they see each other.
@@ -192,7 +205,10 @@ impl DiffractedPath {
     fn reversed(mut self) -> DiffractedPath {
         self.points.reverse();
         self.surfaces.reverse();
+        let last = self.points.len().saturating_sub(1);
+        let reflections = self.reflections.iter().rev();
         DiffractedPath {
+            reflections: reflections.map(|point| last - point).collect(),
             departure: -self.arrival_direction,
             arrival_direction: -self.departure,
             ..self

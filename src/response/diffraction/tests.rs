@@ -4,7 +4,7 @@ use super::space::Space;
 use super::string::HalfPlanes;
 use super::ways::Ways;
 use super::wedge::{Wedge, shadow_function};
-use super::{around, intercepted};
+use super::{Ends, around, intercepted};
 use crate::Scene;
 use crate::geometry::ExactScene;
 use glam::DVec3;
@@ -12,6 +12,18 @@ use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 const SPEED: f64 = 343.0;
+
+/// A scene with these surfaces, between a source and a listener.
+pub(super) fn exact(surfaces: &str, (source, listener): Ends) -> ExactScene {
+    let [source, listener] =
+        [source, listener].map(|end| format!("({}, {}, {})", end.x, end.y, end.z));
+    let text = format!(
+        "Scene(surfaces: [{surfaces}], source: Source(position: {source}), \
+         listener: Listener(position: {listener}, radius: 0.1))"
+    );
+    let scene = Scene::from_ron(&text, "test").expect("a scene");
+    ExactScene::new(&scene).expect("an exact scene")
+}
 
 fn degrees(angle: f64) -> f64 {
     angle.to_radians()
@@ -140,12 +152,8 @@ fn levels_behind_bars_are_those_of_boundary_elements() {
 
 /// The level behind a bar of 2 m in the open, relative to the direct sound; `None` in the light.
 fn level_behind_bar(width: f64, [source, listener]: [DVec3; 2], k: f64) -> Option<f64> {
-    let text = format!(
-        "Scene(surfaces: [Surface(shape: Box(size: ({width}, 2, 1000)))], source: Source(position: (-9, 0, 0)), \
-         listener: Listener(position: (9, 0, 0), radius: 0.1))"
-    );
-    let scene = Scene::from_ron(&text, "bar").expect("a scene");
-    let exact = ExactScene::new(&scene).expect("an exact scene");
+    let bar = format!("Surface(shape: Box(size: ({width}, 2, 1000)))");
+    let exact = exact(&bar, (9.0 * DVec3::NEG_X, 9.0 * DVec3::X));
     if exact.is_free(source, listener) {
         return None;
     }
@@ -159,13 +167,8 @@ fn level_behind_bar(width: f64, [source, listener]: [DVec3; 2], k: f64) -> Optio
 #[test]
 fn a_thin_plate_seen_edge_on_leaves_sound() {
     for width in [1e-9, 1e-6, 1e-4, 1e-3] {
-        let text = format!(
-            "Scene(surfaces: [Surface(shape: Box(size: ({width}, 1, 1)))], source: Source(position: (0, 0, -4)), \
-             listener: Listener(position: (0, 0, 4), radius: 0.3))"
-        );
-        let scene = Scene::from_ron(&text, "plate").expect("a scene");
-        let exact = ExactScene::new(&scene).expect("an exact scene");
         let ends = (DVec3::new(0.0, 0.0, -4.0), DVec3::new(0.0, 0.0, 4.0));
+        let exact = exact(&format!("Surface(shape: Box(size: ({width}, 1, 1)))"), ends);
         if exact.is_free(ends.0, ends.1) {
             continue;
         }
@@ -177,12 +180,11 @@ fn a_thin_plate_seen_edge_on_leaves_sound() {
 /// Protects a listener at the height of a wall's top: the string along the top has no turns on it.
 #[test]
 fn levels_along_the_top_of_a_wall_are_those_just_below() {
-    let text = "Scene(surfaces: [Surface(shape: Box(size: (0.2, 100, 1000)), position: (0, -50, 0))], \
-                source: Source(position: (-5, -2, 0)), listener: Listener(position: (6, 0, 1), radius: 0.1))";
-    let scene = Scene::from_ron(text, "wall").expect("a scene");
-    let exact = ExactScene::new(&scene).expect("an exact scene");
+    let wall = "Surface(shape: Box(size: (0.2, 100, 1000)), position: (0, -50, 0))";
+    let ends = |height: f64| (DVec3::new(-5.0, -2.0, 0.0), DVec3::new(6.0, height, 1.0));
+    let exact = exact(wall, ends(0.0));
     let levels = |height: f64| {
-        let ends = (DVec3::new(-5.0, -2.0, 0.0), DVec3::new(6.0, height, 1.0));
+        let ends = ends(height);
         let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
         crate::bands::sum(paths.iter().map(|path| &path.energy))
     };
@@ -196,13 +198,11 @@ fn levels_along_the_top_of_a_wall_are_those_just_below() {
 /// every height of the listener.
 #[test]
 fn levels_behind_a_thin_wall_change_slowly() {
-    let text = "Scene(surfaces: [Surface(shape: Box(size: (0.0001, 2000, 2000)), position: (0, -1000, 0))], \
-                source: Source(position: (-3, -1, 0)), listener: Listener(position: (4, 0, 0), radius: 0.1))";
-    let scene = Scene::from_ron(text, "thin").expect("a scene");
-    let exact = ExactScene::new(&scene).expect("an exact scene");
+    let wall = "Surface(shape: Box(size: (0.0001, 2000, 2000)), position: (0, -1000, 0))";
+    let ends = |height: f64| (DVec3::new(-3.0, -1.0, 0.0), DVec3::new(4.0, height, 0.0));
+    let exact = exact(wall, ends(0.0));
     let levels = |step: usize| {
-        let height = -0.5 + 0.001 * step as f64;
-        let ends = (DVec3::new(-3.0, -1.0, 0.0), DVec3::new(4.0, height, 0.0));
+        let ends = ends(-0.5 + 0.001 * step as f64);
         let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
         crate::bands::sum(paths.iter().map(|path| &path.energy))
     };

@@ -1,6 +1,7 @@
 //! The early part: the arrivals that exact paths replace, and the sound along each path.
 
 mod caught;
+mod hidden_reflections;
 mod sphere_mean;
 
 pub(super) use caught::Caught;
@@ -10,14 +11,14 @@ use super::source_sound::{
     HeardPath, Medium, PathKind, comes_from, crossing, mirrored_share, passing, radiated_along,
 };
 use crate::bands::{self, BAND_COUNT, Bands};
-use crate::error::Error;
 use crate::response::exact_paths::{
-    Candidate, Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath, Vertex,
+    Candidate, Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex,
 };
 use crate::response::{Arrival, Tap};
 use crate::sampling::lattice;
 use crate::scene::{Pair, Scene, Shape};
 use glam::Vec3;
+use hidden_reflections::HiddenReflections;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
 
@@ -55,6 +56,19 @@ pub(super) struct EarlyPart {
     search_left_out_share: f64,
 }
 
+/// The settings of the search for early paths.
+pub(super) struct Search<'a> {
+    pub pair: Pair<'a>,
+    /// The mirrors of the pair's scene.
+    pub paths: &'a EarlyPaths,
+    /// Number of all waves.
+    pub waves: u32,
+    /// Maximum number of reflections.
+    pub order: u32,
+    /// Whether the hidden reflections are needed, because sound bends.
+    pub diffracts: bool,
+}
+
 /// A path found only by waves replaces them if at least this number of waves is expected to find it. Fewer than 1 % of
 /// such paths are missed. If paths with fewer expected waves also replaced their waves, the energy of the missed paths
 /// would be lost.
@@ -62,22 +76,18 @@ const EXPECTED_WAVES: f64 = 5.0;
 
 impl EarlyPart {
     /// Finds the paths of `arrivals`, which are in the order of their waves. `starts` has the number and the direction
-    /// of each of these waves once; `waves` is the number of all waves.
-    pub fn find(
-        pair: Pair,
-        starts: &[(u32, Vec3)],
-        waves: u32,
-        order: u32,
-        arrivals: Vec<Arrival>,
-    ) -> Result<EarlyPart, Error> {
+    /// of each of these waves once.
+    pub fn find(search: &Search, starts: &[(u32, Vec3)], arrivals: Vec<Arrival>) -> EarlyPart {
+        let Search {
+            pair, paths, order, ..
+        } = *search;
         let scene = pair.scene;
-        let paths = EarlyPaths::new(pair)?;
         let ends = paths.ends(pair);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
         let candidates =
             paths.candidates_within(&ends, &directions, order, ends.radius_m, MOST_ASKED);
         let followed_share = followed_share(starts.len(), candidates.left_out().len());
-        let waves = (f64::from(waves) * followed_share) as u32;
+        let waves = (f64::from(search.waves) * followed_share) as u32;
         let mut candidates = candidates.among(waves as usize);
         let lengths = candidate_lengths(&ends, &candidates);
         let of_waves = candidates.len();
@@ -90,17 +100,20 @@ impl EarlyPart {
             false => 0,
         };
         let search_left_out_share = match complete < order && flat_search_pays(scene) {
-            true => add_flat(&paths, &ends, order, &mut candidates),
+            true => add_flat(paths, &ends, order, &mut candidates),
             false => 0.0,
         };
         let found = paths.find(&ends, &candidates);
-        let hidden = HiddenReflections::among(&candidates, &found, &paths);
+        let hidden = match search.diffracts {
+            true => HiddenReflections::among(&candidates, &found, paths),
+            false => HiddenReflections::default(),
+        };
         let (paths_known, index_known) = retain(found.paths, |path| {
             path.is_searched || passing(scene, path, ends.radius_m, waves) >= EXPECTED_WAVES
         });
         let known = Known {
             scene,
-            early: &paths,
+            early: paths,
             paths: &paths_known,
             complete,
             have_planes,
@@ -114,7 +127,7 @@ impl EarlyPart {
             }
             Err(why) => {
                 let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
-                let is_kept = stands_for_itself(&paths, vertices, why);
+                let is_kept = stands_for_itself(paths, vertices, why);
                 match is_kept || !known.has_image(&ends, vertices) {
                     true => Outcome::Itself,
                     false => Outcome::Another,
@@ -151,7 +164,7 @@ impl EarlyPart {
             let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
             Replaced::new(scene, paths.clone(), ends, &paths_known, vertices, beside)
         });
-        Ok(EarlyPart {
+        EarlyPart {
             outcomes,
             arrivals: arrivals.collect(),
             waves,
@@ -159,7 +172,7 @@ impl EarlyPart {
             paths: paths_known,
             hidden: hidden.reflections,
             search_left_out_share,
-        })
+        }
     }
 
     /// Number of waves used to search for paths: all waves, or the number that the limit of work allows.
@@ -177,7 +190,7 @@ impl EarlyPart {
         self.search_left_out_share
     }
 
-    /// Reflections at plane faces whose paths an object hides, each face once.
+    /// Reflections at plane faces whose paths an object hides, each face once; none unless sound bends.
     pub fn hidden_reflections(&self) -> &[Vertex] {
         &self.hidden
     }
@@ -269,50 +282,6 @@ impl EarlyPart {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter(move |(_, of)| **of == outcome)
             .map(|(arrival, _)| arrival)
-    }
-}
-
-/// The hidden reflections among candidates.
-struct HiddenReflections {
-    reflections: Vec<Vertex>,
-    /// For each candidate, the index of its reflection.
-    of_candidate: Vec<Option<usize>>,
-}
-
-/// Greatest difference between the normals of one plane face.
-const SAME_NORMAL: f64 = 1e-6;
-
-impl HiddenReflections {
-    fn among(candidates: &Candidates, found: &Found, paths: &EarlyPaths) -> HiddenReflections {
-        let mut reflections: Vec<Vertex> = Vec::new();
-        let mut index_of = |vertex: &Vertex| {
-            let is_same = |known: &Vertex| {
-                let height = (known.point - vertex.point).dot(vertex.normal);
-                known.normal.distance(vertex.normal) <= SAME_NORMAL
-                    && height.abs() <= SAME_NORMAL * known.point.distance(vertex.point).max(1.0)
-            };
-            let known = reflections.iter().position(is_same);
-            known.unwrap_or_else(|| {
-                reflections.push(*vertex);
-                reflections.len() - 1
-            })
-        };
-        let mut of = |index: usize| match (candidates.get(index)?.vertices, &found.outcomes[index])
-        {
-            ([vertex], Err(NoPath::Blocked)) if paths.are_flat(&[*vertex]) => {
-                Some(index_of(vertex))
-            }
-            _ => None,
-        };
-        let of_candidate = (0..candidates.len()).map(&mut of).collect();
-        HiddenReflections {
-            reflections,
-            of_candidate,
-        }
-    }
-
-    fn of(&self, candidate: usize) -> Option<usize> {
-        self.of_candidate[candidate]
     }
 }
 

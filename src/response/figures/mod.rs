@@ -15,12 +15,17 @@ use std::f64::consts::PI;
 use uncertainty::Halves;
 
 mod decay;
+mod differences;
 mod pieces;
+mod precision;
 #[cfg(test)]
 mod tests;
 mod uncertainty;
 
+pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
+use precision::NO_PRECISION;
+pub use precision::{Precision, Withheld};
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
 /// Distance in metres at which the direct sound in a free field has a strength *G* of 0 dB.
@@ -96,9 +101,9 @@ pub struct BandFigures {
 /// as waves of equal energy, the number of waves determines the degrees of freedom; a single arrival counts as two. A
 /// figure that is missing in one of the halves is not reported, because its decay is too noisy.
 ///
-/// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of the decay time. If there
-/// are batches, at least 500 waves of equal energy must also arrive after the end of its decay (a few strong waves
-/// count for less). EDT is not reported if it is longer than the record.
+/// A decay time is reported if its error from the noise of the waves alone is at most 5 % of the decay time, the just
+/// noticeable difference. If there are batches, at least 500 waves of equal energy must also arrive after the end of its decay (a few strong waves
+/// count for less). EDT is not reported if it is longer than twice the record.
 ///
 /// The error does not include errors common to all waves, such as paths that a wave cannot take. A
 /// [`Response`](crate::response::Response) adds the known effects of the listener's size and the effect of one further
@@ -121,12 +126,14 @@ pub struct Figures {
     /// include it. `None` if nothing arrived.
     #[serde(serialize_with = "finite")]
     pub begins_error_s: Option<f64>,
-    /// Bands in which a figure was removed because few waves arrived.
-    pub(crate) have_few_arrivals: [bool; BAND_COUNT],
+    /// The noise of each figure by band, in the order of [`BandFigures::NAMES`], also where the figure is withheld.
+    #[doc(hidden)]
+    #[serde(default)]
+    pub precision: [[Precision; FIGURE_COUNT]; BAND_COUNT],
 }
 
 /// The number of figures in a list for computations.
-const FIGURE_COUNT: usize = 8;
+pub(super) const FIGURE_COUNT: usize = 8;
 
 /// The number of decay times, which come first in a list.
 const DECAY_TIMES: usize = 3;
@@ -196,7 +203,7 @@ impl Figures {
             cut_off: [None; BAND_COUNT],
             begins_s: start.map(|start| start.seconds),
             begins_error_s: start.map(|_| 0.0),
-            have_few_arrivals: [false; BAND_COUNT],
+            precision: NO_PRECISION,
         };
         let Some(start) = start.filter(|start| start.seconds < ends_s && ends_s.is_finite()) else {
             return figures;
@@ -205,15 +212,14 @@ impl Figures {
         let all = record.pieces(begins_s, energy);
         let (lists, decays_end_s, cut_off) = lists(&all, echogram.bin_s());
         let halves = Halves::new(&record, direct_s);
-        for (band, mut list) in lists.into_iter().enumerate() {
-            for (time_s, ends_s) in list.iter_mut().zip(decays_end_s[band]) {
-                let arrivals = echogram.effective_arrivals(band, begins_s + ends_s);
-                *time_s = time_s.filter(|_| echogram.batches() == 1 || arrivals >= LEAST_ARRIVALS);
-            }
-            let (list, errors) =
-                halves.judge(band, list, echogram.effective_arrivals(band, begins_s));
-            figures.bands[band] = BandFigures::from_list(list);
-            figures.errors[band] = BandFigures::from_list(errors);
+        let has_batches = echogram.batches() > 1;
+        for (band, list) in lists.iter().enumerate() {
+            let arrivals = |after_s: f64| echogram.effective_arrivals(band, begins_s + after_s);
+            let counts = (arrivals(0.0), decays_end_s[band].map(arrivals));
+            let precision = Figures::precision_of(&halves, band, list, counts);
+            (figures.bands[band], figures.errors[band]) =
+                Figures::reported(&precision, has_batches);
+            figures.precision[band] = precision;
         }
         figures.cut_off = cut_off;
         figures.begins_error_s = Some(halves.error_of_start(start));
@@ -249,6 +255,10 @@ fn lists(
     (lists, ends_s, cut_off)
 }
 
+/// The longest EDT, in multiples of the record's length. EDT is six times a decay of 10 dB, and exceeds the record's 60 dB
+/// where the direct sound is weak. A record of half its length contains 30 dB of an even decay.
+const MOST_EDT: f64 = 2.0;
+
 fn list(decay: &Decay) -> (List, DecayEnds) {
     let clarity_db = |seconds: f64| {
         let (early, late) = decay.parted_at(seconds)?;
@@ -258,8 +268,7 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
     let lines = DECAYS_DB.map(|(upper_db, lower_db)| decay.line(upper_db, lower_db));
     let [edt_s, t20_s, t30_s] = lines.map(|line| line.map(|line| line.time_s));
     let list = [
-        // EDT is six times a decay of 10 dB. An EDT longer than the record does not describe traced sound.
-        edt_s.filter(|edt_s| *edt_s <= decay.length_s()),
+        edt_s.filter(|edt_s| *edt_s <= MOST_EDT * decay.length_s()),
         t20_s,
         t30_s,
         clarity_db(0.05),

@@ -22,9 +22,9 @@ pub(super) struct Piece {
 /// The recorded sound: exact taps and an echogram, until an end in seconds after the source's impulse.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Record<'a> {
-    pub(super) taps: &'a [Tap],
-    pub(super) echogram: &'a Echogram,
-    pub(super) ends_s: f64,
+    pub(crate) taps: &'a [Tap],
+    pub(crate) echogram: &'a Echogram,
+    pub(crate) ends_s: f64,
 }
 
 impl<'a> Record<'a> {

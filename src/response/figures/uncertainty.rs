@@ -7,14 +7,14 @@
 //! and as one arrival if there are none.
 
 use super::pieces::{Origin, Record};
-use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, lists};
+use super::{BandFigures, FIGURE_COUNT, Figures, List, lists};
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Maximum error of a reported decay time, as a share of the time: a decay with a larger error is too noisy. Two errors
-/// are 3 %, less than the just noticeable difference in reverberation (5 %, ISO 3382-1, annex A).
-const WORST_TIME_ERROR: f64 = 0.015;
+/// Maximum error of a reported decay time from noise, as a share of the time: the just noticeable difference in
+/// reverberation (ISO 3382-1, annex A).
+pub(super) const WORST_TIME_ERROR: f64 = 0.05;
 
 const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
 
@@ -160,6 +160,11 @@ impl Halves {
         }
     }
 
+    /// The figures of each half.
+    pub fn lists(&self) -> &[[List; BAND_COUNT]] {
+        &self.lists
+    }
+
     /// One standard deviation of the time origin of all batches, in seconds.
     pub fn error_of_start(&self, start: Origin) -> f64 {
         /// The variance of a uniform distribution, relative to the square of its interval's length.
@@ -169,26 +174,17 @@ impl Halves {
         (variance + EVEN * start.within_s.powi(2)).sqrt()
     }
 
-    /// Returns the figures of a band that can be estimated, and their errors. `arrivals` is the number of arrivals of
-    /// equal energy.
-    pub fn judge(&self, band: usize, list: List, arrivals: f64) -> (List, List) {
-        let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
+    /// The errors of the figures of a band from the noise of the waves, one standard deviation each. `None` if a figure
+    /// is missing in some half. `arrivals` is the number of arrivals of equal energy.
+    pub fn noise(&self, band: usize, list: &List, arrivals: f64) -> List {
         if self.lists.is_empty() {
-            return (told, errors);
+            return [None; FIGURE_COUNT];
         }
         let widening = self.widening(arrivals);
-        for figure in 0..FIGURE_COUNT {
-            let deviation = list[figure].and_then(|whole| self.deviation(band, figure, whole));
-            errors[figure] = deviation.map(|deviation| widening * deviation);
-            let limit = match list[figure] {
-                Some(time_s) if figure < DECAY_TIMES => WORST_TIME_ERROR * time_s,
-                _ => f64::INFINITY,
-            };
-            if errors[figure].is_none_or(|error| error > limit || !error.is_finite()) {
-                (told[figure], errors[figure]) = (None, None);
-            }
-        }
-        (told, errors)
+        std::array::from_fn(|figure| {
+            let deviation = self.deviation(band, figure, list[figure]?)?;
+            Some(widening * deviation).filter(|noise| noise.is_finite())
+        })
     }
 
     /// Factor by which Student's t widens an error. The degrees of freedom are those of the batches, or those of the
@@ -309,7 +305,6 @@ impl Figures {
                 .zip(WORST_ERRORS[figure])
                 .is_some_and(|(error, worst)| error <= worst);
             if !is_certain || others[figure].is_none() {
-                self.have_few_arrivals[band] |= list[figure].is_some();
                 (list[figure], errors[figure]) = (None, None);
             }
         }

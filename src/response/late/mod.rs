@@ -8,6 +8,7 @@
 //! sound, while a path that no wave finds is missing.
 
 mod importance;
+mod inner;
 mod pilot;
 mod sphere;
 
@@ -27,6 +28,8 @@ use crate::tracer::{
 use crate::{bands, shader};
 use glam::Vec3;
 use importance::Importance;
+use inner::heard_in_inner;
+pub(super) use inner::{Difference, are_biased};
 use pilot::Pilot;
 use sphere::NearScattering;
 use std::cell::RefCell;
@@ -59,6 +62,8 @@ pub(super) struct Arrivals {
     pub early: Vec<Arrival>,
     /// Arrivals that have passed solids and were not reflected.
     pub straight: Echogram,
+    /// The arrivals in the inner sphere less those in the sphere of late arrivals, if the two are compared.
+    pub inner: Option<Difference>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,
 }
@@ -74,12 +79,17 @@ pub(super) fn arrivals(
     let mut found = Arrivals {
         bias: echogram.without_arrivals(),
         straight: echogram.without_arrivals(),
+        inner: None,
         echogram,
         counts: ArrivalCounts::of_none(),
         early: Vec::new(),
         travel_on: None,
     };
     let solids = transmission::solids(heard_in.0, settings)?;
+    let how = ArrivalSettings {
+        resamples: true,
+        ..how.clone()
+    };
     for bands in shader::band_groups(heard_in.0.scene) {
         let how = how
             .clone()
@@ -133,6 +143,7 @@ fn add_arrivals(
     settings: &ResponseSettings,
     how: &ArrivalSettings,
 ) -> Result<ArrivalCounts, Error> {
+    let inner = heard_in_inner(&mut found.inner, &late, &found.echogram);
     let (echogram, early) = (&mut found.echogram, &mut found.early);
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
     let share = (pair.listener.radius / late.radius_m).powi(2);
@@ -168,6 +179,7 @@ fn add_arrivals(
     let wide = late.widened(pair.listener);
     let mut how = how.clone();
     let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
+    how.inner_radius_m = late.inner_m;
     how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
     let late = LateWaves {
         tracer,
@@ -176,6 +188,7 @@ fn add_arrivals(
         medium,
         solids,
         echogram,
+        inner,
         straight: &mut found.straight,
         near: &mut near.wide,
     };
@@ -200,6 +213,8 @@ struct LateWaves<'a> {
     /// The solids that waves may pass; `None` without transmission.
     solids: Option<&'a ExactScene>,
     echogram: &'a mut Echogram,
+    /// The arrivals of `echogram` in the inner sphere, if they are counted.
+    inner: Option<&'a mut Difference>,
     /// Sound that has passed solids and was not reflected.
     straight: &'a mut Echogram,
     /// Sound scattered after few reflections; empty if there are pilot waves, because these are only mirrored.
@@ -218,6 +233,7 @@ impl LateWaves<'_> {
             return self.follow_without_pilot(trace, batches);
         }
         let before = [self.echogram.clone(), self.straight.clone()];
+        let inner_before = self.inner.as_deref().cloned();
         let half = pilot_waves / 2;
         let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
         pilot.begin(half);
@@ -231,6 +247,9 @@ impl LateWaves<'_> {
         };
         let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
         [*self.echogram, *self.straight] = before;
+        if let (Some(inner), Some(before)) = (self.inner.as_deref_mut(), inner_before) {
+            *inner = before;
+        }
         let waves = trace.waves - pilot_waves;
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
@@ -282,10 +301,13 @@ impl LateWaves<'_> {
     ) -> Result<Followed, Error> {
         let (scene, medium, solids) = (self.pair.scene, self.medium, self.solids);
         let early_order = self.how.early_order;
-        let late = RefCell::new((&mut *self.echogram, pilot));
+        let late = RefCell::new((&mut *self.echogram, self.inner.as_deref_mut(), pilot));
         let add = |arrival: &Arrival| {
-            let (echogram, pilot) = &mut *late.borrow_mut();
+            let (echogram, inner, pilot) = &mut *late.borrow_mut();
             medium.add(echogram, arrival);
+            if let Some(inner) = inner {
+                inner.add(medium, arrival);
+            }
             if let Some(pilot) = pilot {
                 let seconds = arrival.length_m / medium.speed;
                 pilot.add(arrival.wave, seconds, &medium.heard(arrival));

@@ -2,8 +2,9 @@
 //! noise, which falls with 1/radius, and changes little else.
 //!
 //! Beyond the exact paths, the energy at a point hardly differs from the energy a metre away if no surface focuses
-//! sound and no object is in between. If all surfaces are flat or convex, late arrivals are therefore counted in a
-//! sphere of [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. The sphere ends before any surface, because there may be
+//! sound and no object is in between. Late arrivals are therefore counted in a sphere of [`RADIUS_M`] in an empty room,
+//! and of [`RADIUS_IN_SHADOWS_M`] elsewhere. If a surface focuses sound, the same waves are also counted in an inner
+//! sphere, and the two are compared (`late/inner.rs`). The sphere ends before any surface, because there may be
 //! another room behind the surface. The walls of a `Room` are an exception, because nothing is behind them: the sphere
 //! reaches at most as far behind such a wall as the listener is in front of it. The energy is the mean over the
 //! unobstructed part of the sphere. The times are those of paths to its centre, as in the listener's own sphere.
@@ -69,7 +70,13 @@ pub(in crate::response) struct LateSphere {
     pub radius_m: f32,
     /// The errors of figures from the larger sphere; `None` for the listener's own sphere.
     pub errors: Option<CommonErrors>,
+    /// Radius in metres of the inner sphere in which the same waves are counted; `None` if the two are not compared.
+    pub inner_m: Option<f32>,
 }
+
+/// Radius of the inner sphere as a share of the radius of the sphere of late arrivals. A bias that grows with the
+/// square of the radius differs by three quarters between the two. The noise in the inner sphere is twice as large.
+const INNER: f32 = 0.5;
 
 /// Minimum order of exact paths for the larger sphere. With a lower order, early echoes count as late, and their energy
 /// varies over the sphere: next to a source on the floor, G with `--order 0` was 0.67 dB off.
@@ -88,12 +95,23 @@ impl LateSphere {
             true => own_m,
             false => reach_m(pair).min(most_m).max(own_m),
         };
+        let is_larger = radius_m > own_m;
         LateSphere {
             radius_m,
-            errors: (radius_m > own_m).then(|| match scene.scatters() {
+            errors: is_larger.then(|| match scene.scatters() {
                 true => scattered(errors, radius_m),
                 false => errors,
             }),
+            inner_m: (is_larger && gathers(scene)).then(|| own_m.max(INNER * radius_m)),
+        }
+    }
+
+    /// The listener's own sphere.
+    pub fn own(listener: &Listener) -> LateSphere {
+        LateSphere {
+            radius_m: listener.radius,
+            errors: None,
+            inner_m: None,
         }
     }
 
@@ -124,13 +142,18 @@ pub(in crate::response) fn casts_shadows(scene: &Scene) -> bool {
     })
 }
 
+/// Whether a surface focuses sound.
+fn gathers(scene: &Scene) -> bool {
+    let mut surfaces = scene.surfaces.iter();
+    surfaces.any(|surface| surface.shape.gathers_sound())
+}
+
 /// Distance from the listener's centre within which no surface changes the sound, in metres.
 fn reach_m(pair: Pair) -> f32 {
     let reach = |surface: &Surface| {
         let distance = surface.distance(pair.listener.position);
         match surface.shape.node {
             Node::Room(_) => BEHIND_WALLS * distance,
-            _ if surface.shape.gathers_sound() => 0.0,
             _ => distance,
         }
     };
@@ -253,7 +276,7 @@ mod tests {
         assert!((radius(vec![room()], Vec3::X * 4.6) - 0.8).abs() < 1e-5);
         assert_eq!(radius(vec![room()], Vec3::X * 4.9), 0.3);
         assert!((radius(vec![room(), wall], Vec3::X * 0.45) - 0.4).abs() < 1e-5);
-        assert_eq!(radius(vec![hollow], Vec3::ZERO), 0.3);
+        assert_eq!(radius(vec![hollow], Vec3::ZERO), RADIUS_IN_SHADOWS_M);
         assert_eq!(
             radius(vec![hollow_box.clone()], Vec3::ZERO),
             RADIUS_IN_SHADOWS_M

@@ -357,7 +357,17 @@ fn transmission_leaves_the_waves_of_the_first_room_as_they_are() {
     let (with, again, without) = (traced(true), traced(true), traced(false));
     assert_eq!(with.echogram, again.echogram);
     assert_eq!(with.paths, without.paths);
-    assert_eq!(with.counts, without.counts);
+    // The energies of resampled waves are equal up to rounding, because materials that transmit have other numbers.
+    let [mut with_counts, without_counts] = [with.counts, without.counts];
+    for (with, without) in with_counts
+        .energy_under_way
+        .iter_mut()
+        .zip(without_counts.energy_under_way)
+    {
+        assert!((*with / without - 1.0).abs() < 1e-12, "{with} {without}");
+        *with = without;
+    }
+    assert_eq!(with_counts, without_counts);
     let returned = with.echogram.total()[4] / without.echogram.total()[4] - 1.0;
     let coupling = WALL_M2 * 0.01 / (ROOM_M2 * 0.1);
     assert!(

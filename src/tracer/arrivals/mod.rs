@@ -15,11 +15,13 @@
 //! | `targets.rs` | textures, and their read-back |
 //! | `passages.rs` | the parts of waves that continue through solids |
 //! | `replay.rs` | the computation of arrivals from records |
+//! | `resampling.rs` | waves of about equal energy |
 //! | `../tracer/arrival_passes.rs` | the passes |
 
 mod events;
 mod passages;
 mod replay;
+mod resampling;
 mod settings;
 mod targets;
 mod volume;
@@ -31,6 +33,7 @@ pub(super) use passages::{
     kept_beside_waves, loudest, thinned,
 };
 pub(super) use replay::{Block, Listed, Replay};
+pub(super) use resampling::ITERATIONS_BEFORE_RESAMPLING;
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use settings::{Followed, Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};

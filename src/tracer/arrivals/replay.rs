@@ -28,6 +28,8 @@ pub struct Replay {
     pub length_limit: f64,
     /// Length in metres of a chord recorded as 1.
     pub chord_unit: f64,
+    /// The ratio of the open volumes of the listener's sphere and of the inner sphere; `None` without an inner sphere.
+    pub inner: Option<f64>,
     /// Energy density per metre of chord of a wave without losses: 1 / (V N), in 1/m³.
     pub density: f64,
     /// The effect of reflections; `None` if no surface absorbs or scatters.
@@ -290,7 +292,8 @@ impl Block {
         if length_m > with.length_limit {
             return None;
         }
-        let density = f64::from(record[1].abs().fract()) * with.chord_unit * with.density;
+        let chord = f64::from(record[1].abs().fract());
+        let density = chord * with.chord_unit * with.density;
         let energy = match self.energies.get(wave as usize) {
             Some(left) => left.map(|left| left * density),
             None => [density; BAND_COUNT],
@@ -299,13 +302,24 @@ impl Block {
             return None;
         }
         let reflections = self.iterations + iteration;
+        let (x, inner) = match with.inner {
+            None => (record[2], 1.0),
+            Some(volumes) => {
+                let steps = record[2].floor();
+                (
+                    steps / X_STEPS,
+                    f64::from(record[2] - steps) / chord * volumes,
+                )
+            }
+        };
         Some(Arrival {
             wave: self.before(wave).wave,
             is_early: so_far.is_mirrored && reflections <= with.early_order,
             reflections: self.before(wave).reflections + reflections,
             length_m,
-            direction: direction(record),
+            direction: direction(record[1], x, record[3]),
             energy,
+            inner,
         })
     }
 
@@ -331,7 +345,7 @@ impl Block {
             surface: place[3] as u32,
             reflections: before.reflections + self.iterations + iteration,
             point: with.origin + local,
-            direction: direction(way).as_vec3(),
+            direction: direction(way[1], way[2], way[3]).as_vec3(),
             length_m,
             energy: energy.map(|energy| energy as f32),
         })
@@ -349,8 +363,55 @@ impl Block {
             .unwrap_or(from_source)
     }
 
+    /// The waves that are still followed, in their order. Empty if all energies stay 1.
+    pub(super) fn travelling(&self) -> Vec<u32> {
+        let waves = (0..self.energies.len() as u32).zip(&self.waves);
+        let travelling = waves.filter(|(_, wave)| wave.fate == Fate::Travelling);
+        travelling.map(|(number, _)| number).collect()
+    }
+
+    /// Puts copies of the `originals` with new energies in the places of the `replaced` waves. Returns the original's
+    /// texel for each texel.
+    pub(super) fn replace(
+        &mut self,
+        replaced: &[u32],
+        originals: &[u32],
+        energies: Vec<Bands>,
+    ) -> Vec<u32> {
+        let texel = |wave: u32| self.order.as_ref().map_or(wave, |order| order.texel(wave));
+        let mut from: Vec<u32> = (0..self.grid.width * self.grid.height).collect();
+        let waves = self.waves.clone();
+        let before: Vec<Before> = (0..self.grid.waves).map(|wave| self.before(wave)).collect();
+        let pairs = replaced.iter().zip(originals);
+        for ((to, original), energy) in pairs.zip(energies) {
+            from[texel(*to) as usize] = texel(*original);
+            self.waves[*to as usize] = waves[*original as usize];
+            self.energies[*to as usize] = energy;
+        }
+        self.before.clone_from(&before);
+        for (to, original) in replaced.iter().zip(originals) {
+            self.before[*to as usize] = before[*original as usize];
+        }
+        from
+    }
+
+    /// Number of waves of the block.
+    pub(super) fn waves(&self) -> u32 {
+        self.grid.waves
+    }
+
+    /// Metres that a wave has flown since the source.
+    pub(super) fn length_m(&self, wave: u32) -> f64 {
+        self.waves[wave as usize].length
+    }
+
+    /// The sum over all waves of the initial energy, in the band in which a wave has the most.
+    pub(super) fn energy_at_start(&self) -> f64 {
+        self.energy_at_start
+    }
+
     /// The remaining energy of the wave with this number.
-    fn energy(&self, number: usize) -> Bands {
+    pub(super) fn energy(&self, number: usize) -> Bands {
         let left = self.energies.get(number).copied();
         left.unwrap_or([1.0; BAND_COUNT])
     }
@@ -409,13 +470,16 @@ fn tally_of(texels: &[f32], texel: u32) -> u32 {
     texels[4 * texel as usize + 2] as u32
 }
 
-/// The unit vector of a record, from x, y and the sign of z.
+/// The steps of a direction's x per unit in a record with a chord in the inner sphere (`glsl/arrivals/flight.glsl`).
+const X_STEPS: f32 = 512.0;
+
+/// The unit vector of a record, from x, y and a number with the sign of z.
 ///
 /// The recorded vector has length 1 within 2e-7, and the length of (x, y) has an error of the same amount. The error of
 /// the angle is therefore 2e-7 / |z|, and at most √(4e-7) = 6e-4 (0.04°) where z is 0.
-fn direction(record: &[f32]) -> DVec3 {
-    let (x, y) = (f64::from(record[2]), f64::from(record[3]));
+fn direction(signed: f32, x: f32, y: f32) -> DVec3 {
+    let (x, y) = (f64::from(x), f64::from(y));
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-    let z = if record[1].is_sign_negative() { -z } else { z };
+    let z = if signed.is_sign_negative() { -z } else { z };
     DVec3::new(x, y, z).normalize()
 }

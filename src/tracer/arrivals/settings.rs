@@ -27,6 +27,12 @@ pub struct ArrivalSettings {
     pub(crate) least_energy: f64,
     /// Maximum iterations in a chunk.
     pub(crate) iterations_in_chunk: u32,
+    /// Radius in metres of a sphere within the listener's sphere, in which the energy is counted too
+    /// ([`Arrival::inner`](crate::response::Arrival)).
+    pub(crate) inner_radius_m: Option<f32>,
+    /// Whether waves are replaced by waves of about equal energy where surfaces scatter. The fates of single waves then
+    /// have no meaning.
+    pub(crate) resamples: bool,
     /// Maximum recorded crossings of a wave in a pass.
     pub(crate) records: u32,
     /// Maximum outputs of a pass, within the driver's limit.
@@ -43,6 +49,8 @@ impl ArrivalSettings {
             bands: 0..BAND_COUNT,
             least_energy: 0.0,
             iterations_in_chunk: ITERATIONS_IN_CHUNK,
+            inner_radius_m: None,
+            resamples: false,
             records: RECORDS,
             outputs: u32::MAX,
         }

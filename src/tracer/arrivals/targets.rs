@@ -44,6 +44,8 @@ pub struct ArrivalTargets {
     /// The texels that were read.
     texels: Vec<Vec<f32>>,
     pub list: ListTargets,
+    /// The texel from which the next chunk takes the wave of each texel.
+    originals: Texture,
     /// The order of the starts of the last block whose starts were sorted.
     order: Option<OrderTable>,
     _shared: Vec<Texture>,
@@ -80,6 +82,7 @@ impl ArrivalTargets {
             reads: reads.collect::<Result<_, _>>()?,
             texels: vec![Vec::new(); shared.len()],
             list: ListTargets::new(context, &text)?,
+            originals: texture()?,
             order: None,
             text,
             _shared: shared,
@@ -151,6 +154,19 @@ impl ArrivalTargets {
             directions[texel] = passage.direction.extend(flown).to_array();
         }
         self.upload([&origins, &directions])
+    }
+
+    /// Sets the texel from which the next chunk takes the wave of each texel.
+    pub fn upload_originals(&self, texels: &[u32]) -> Result<(), GpuError> {
+        let entry = |texel: &u32| [*texel as f32, 0.0, 0.0, 0.0];
+        let mut entries: Vec<[f32; 4]> = texels.iter().map(entry).collect();
+        entries.resize((self.grid.width * self.grid.height) as usize, [0.0; 4]);
+        self.originals.upload(entries.as_flattened())
+    }
+
+    /// The texels from which a chunk after a resampling takes its waves.
+    pub fn originals(&self) -> &Texture {
+        &self.originals
     }
 
     /// The texel of a wave of the block.

@@ -1,7 +1,7 @@
 //! Notes on missing figures of a response: the reasons and the remedies.
 
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
-use echomarch::response::{BandFigures, Gap, Response};
+use echomarch::response::{BandFigures, Figures, Gap, Response, Withheld};
 use echomarch::scene::Scene;
 
 /// Returns a sentence for each reason why figures are missing, with the affected bands.
@@ -41,10 +41,96 @@ fn sentence(
             "hardly anything arrives after the first 80 ms, so decay times are not defined (—): {times}"
         ),
         Gap::TooNoisy => {
-            let all = missing_among(&ALL_FIGURES, &response.figures.bands, of_reason);
-            format!("too noisy (—): {all}; use more --waves")
+            let noisy = too_noisy(&response.figures, of_reason);
+            format!("too noisy (—): {}", noisy.join("; "))
         }
     }
+}
+
+/// Why figures are withheld: the figures, their bands, the cause, and the number of waves that they take.
+fn too_noisy(figures: &Figures, of_reason: [bool; BAND_COUNT]) -> Vec<String> {
+    let names = ALL_FIGURES.iter().enumerate();
+    let told = names.filter_map(|(figure, (name, _))| {
+        let withheld: [Option<Withheld>; BAND_COUNT] =
+            std::array::from_fn(|band| figures.withheld(band, figure).filter(|_| of_reason[band]));
+        let is_withheld = withheld.map(|withheld| withheld.is_some());
+        is_withheld.contains(&true).then(|| {
+            let worst = withheld
+                .iter()
+                .flatten()
+                .fold(None, |worst, one| Some(worse(worst, *one)));
+            let factors = (0..BAND_COUNT).filter(|band| is_withheld[*band]);
+            let factor = factors
+                .filter_map(|band| figures.waves_to_report(band, figure))
+                .fold(0.0, f64::max);
+            (*name, is_withheld, cause(worst, factor))
+        })
+    });
+    grouped(told)
+}
+
+/// Joins figures that are withheld in the same bands for the same cause.
+fn grouped(told: impl Iterator<Item = (&'static str, [bool; BAND_COUNT], String)>) -> Vec<String> {
+    let mut groups: Vec<(Vec<&str>, [bool; BAND_COUNT], String)> = Vec::new();
+    for (name, of, cause) in told {
+        match groups
+            .iter_mut()
+            .find(|group| group.1 == of && group.2 == cause)
+        {
+            Some(group) => group.0.push(name),
+            None => groups.push((vec![name], of, cause)),
+        }
+    }
+    let text = |(names, of, cause): &(Vec<&str>, [bool; BAND_COUNT], String)| {
+        let colon = if cause.is_empty() { "" } else { ": " };
+        format!("{} {}{colon}{cause}", listed(names), bands(*of))
+    };
+    groups.iter().map(text).collect()
+}
+
+/// The cause that takes more waves.
+fn worse(known: Option<Withheld>, other: Withheld) -> Withheld {
+    match (known, other) {
+        (Some(Withheld::FewArrivals(a)), Withheld::FewArrivals(b)) => {
+            Withheld::FewArrivals(a.min(b))
+        }
+        (Some(few @ Withheld::FewArrivals(_)), _) => few,
+        (Some(Withheld::Noise(Some(a))), Withheld::Noise(Some(b))) => {
+            Withheld::Noise(Some(a.max(b)))
+        }
+        (Some(Withheld::Noise(None)), Withheld::Noise(_)) => Withheld::Noise(None),
+        _ => other,
+    }
+}
+
+/// The cause, and the factor by which the number of waves must grow.
+fn cause(withheld: Option<Withheld>, factor: f64) -> String {
+    let cause = match withheld {
+        Some(Withheld::FewArrivals(arrivals)) => format!(
+            "{arrivals:.0} of {:.0} late arrivals",
+            Figures::LEAST_ARRIVALS
+        ),
+        Some(Withheld::Noise(Some(share))) => {
+            format!("standard error of {:.0} %", 100.0 * share)
+        }
+        Some(Withheld::Noise(None)) => "not defined for half of the waves".to_owned(),
+        _ => "few arrivals".to_owned(),
+    };
+    match factor.is_finite() {
+        true => format!("{cause}; takes {:.1} times the waves", factor.max(1.1)),
+        false => format!("{cause}; no wave arrives after the end of the decay"),
+    }
+}
+
+/// The figures that do not have this accuracy, with their bands.
+pub fn inaccurate(figures: &Figures, accuracy: f64) -> String {
+    let names = ALL_FIGURES.iter().enumerate();
+    let open = names.filter_map(|(figure, (name, _))| {
+        let open: [bool; BAND_COUNT] =
+            std::array::from_fn(|band| figures.is_accurate(accuracy, band, figure) == Some(false));
+        open.contains(&true).then_some((*name, open, String::new()))
+    });
+    grouped(open).join("; ")
 }
 
 /// A figure of a frequency band.

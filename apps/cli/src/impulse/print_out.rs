@@ -9,7 +9,7 @@ use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{HeardPath, PathKind, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch_lab::columns;
-use echomarch_lab::report::{Column, Row, Table};
+use echomarch_lab::report::{Cell, Column, Row, Table};
 use serde::{Serialize, Serializer};
 
 /// Maximum number of paths in the text output. The JSON output lists all paths.
@@ -21,7 +21,10 @@ pub struct Report<'a> {
     scene: &'a str,
     renderer: &'a str,
     profile: String,
+    /// Number of waves for late arrivals, the maximum of all pairs.
     waves: u32,
+    /// The requested standard error of decay times, as a share; `null` for a given number of waves.
+    accuracy: Option<f64>,
     seed: u32,
     directions: String,
     iterations: u32,
@@ -38,6 +41,8 @@ struct PairReport<'a> {
     source_yaw_deg: f64,
     source_pitch_deg: f64,
     listener: &'a str,
+    /// Number of waves for late arrivals.
+    waves: u32,
     seconds: f64,
     iterations: u32,
     milliseconds: f64,
@@ -120,7 +125,8 @@ pub fn report<'a>(
         scene: &scene.name,
         renderer,
         profile: settings.trace.profile().to_string(),
-        waves: settings.trace.waves,
+        waves: responses().map(|r| r.waves).max().unwrap_or(0),
+        accuracy: settings.accuracy.map(|accuracy| accuracy.share),
         seed: settings.trace.seed,
         directions: settings.trace.directions.to_string(),
         iterations: responses().map(|r| r.counts.iterations).max().unwrap_or(0),
@@ -148,6 +154,7 @@ fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
         source_yaw_deg: degrees(source.yaw),
         source_pitch_deg: degrees(source.pitch),
         listener: &pair.listener,
+        waves: response.waves,
         seconds: response.seconds,
         iterations: response.counts.iterations,
         milliseconds: response.milliseconds,
@@ -230,7 +237,7 @@ pub fn text(
             scene.name,
             pair.source,
             pair.listener,
-            settings.trace.waves,
+            response.waves,
             response.counts.iterations,
             response.seconds,
             settings.trace.profile(),
@@ -252,9 +259,9 @@ impl Row for BandRow {
     fn columns() -> Vec<Column<BandRow>> {
         columns! { row: BandRow;
             ("band_hz", "band") => row.band_hz, unit("Hz").fixed(0);
-            ("edt_s", "EDT") => row.figures.edt_s, unit("s").fixed(3);
-            ("t20_s", "T20") => row.figures.t20_s, unit("s").fixed(3);
-            ("t30_s", "T30") => row.figures.t30_s, unit("s").fixed(3);
+            (_, "EDT") => time(row.figures.edt_s, row.errors.edt_s), unit("s");
+            (_, "T20") => time(row.figures.t20_s, row.errors.t20_s), unit("s");
+            (_, "T30") => time(row.figures.t30_s, row.errors.t30_s), unit("s");
             ("t30_error_s", "±") => row.errors.t30_s, unit("s").fixed(3);
             ("c80_db", "C80") => row.figures.c80_db, unit("dB").fixed(2);
             ("c80_error_db", "±") => row.errors.c80_db, unit("dB").fixed(2);
@@ -262,6 +269,18 @@ impl Row for BandRow {
             ("g_error_db", "±") => row.errors.g_db, unit("dB").fixed(2);
         }
     }
+}
+
+/// The standard error above which a decay time is marked as rough, as a share of the time.
+const ROUGH: f64 = 0.015;
+
+/// A decay time with its mark.
+fn time(time_s: Option<f64>, error_s: Option<f64>) -> Cell {
+    let Some(time_s) = time_s else {
+        return Cell::None;
+    };
+    let is_rough = error_s.is_some_and(|error_s| error_s > ROUGH * time_s);
+    Cell::Text(format!("{}{time_s:.3}", if is_rough { "~" } else { "" }))
 }
 
 fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {

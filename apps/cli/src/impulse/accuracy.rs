@@ -1,0 +1,95 @@
+//! The accuracy of a response as it is requested on the command line, and the progress towards it.
+
+use super::super::exit::BadInput;
+use super::super::numbers::{count, real};
+use super::missing;
+use clap::Args;
+use echomarch::response::{Accuracy, ResponseSettings, Round};
+use echomarch::tracer::Settings;
+
+/// Options of the effort for a response.
+#[derive(Args, Debug)]
+pub struct AccuracyOptions {
+    /// Standard error of EDT, T20 and T30: 0.1 % to 5 %. C50, C80 and G have a tenth of a decibel for each per cent.
+    /// As many waves are traced as this takes [default: 2%, unless --waves is given]
+    #[arg(long, allow_negative_numbers = true, value_name = "PERCENT", value_parser = percent)]
+    accuracy: Option<f64>,
+    /// Number of sound waves, 1 to 16777216; the maximum number with --accuracy [default: as many as --accuracy takes,
+    /// at most 100 million waves times iterations]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    waves: Option<u32>,
+    /// Time for each pair after which no more waves are added for --accuracy. The result then depends on the speed of
+    /// the machine [default: no limit]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
+    time_limit: Option<f64>,
+}
+
+/// Parses a share in per cent: `2%`, `2 %` or `0.02`.
+fn percent(said: &str) -> Result<f64, String> {
+    match said.strip_suffix('%') {
+        Some(number) => real::<f64>(number.trim_end()).map(|percent| percent / 100.0),
+        None => {
+            let share = real::<f64>(said)?;
+            match share >= 0.1 {
+                true => Err(format!("write {said}% for {said} per cent")),
+                false => Ok(share),
+            }
+        }
+    }
+}
+
+impl AccuracyOptions {
+    /// The number of waves if they are given without an accuracy.
+    pub fn exact_waves(&self) -> Option<u32> {
+        self.waves.filter(|_| self.accuracy.is_none())
+    }
+
+    /// The requested accuracy; `None` for a given number of waves.
+    pub fn accuracy(&self) -> anyhow::Result<Option<Accuracy>> {
+        if self.exact_waves().is_some() {
+            return match self.time_limit {
+                Some(_) => Err(BadInput(
+                    "--time-limit needs --accuracy: without it, exactly --waves waves are traced"
+                        .into(),
+                )
+                .into()),
+                None => Ok(None),
+            };
+        }
+        let mut accuracy = Accuracy::default();
+        accuracy.share = self.accuracy.unwrap_or(accuracy.share);
+        accuracy.most_waves = self.waves;
+        accuracy.time_limit_s = self.time_limit;
+        if let Some(waves) = self.waves {
+            Settings::default().with_waves(waves).validate()?;
+        }
+        Ok(Some(accuracy))
+    }
+}
+
+/// The progress of a response after a round: the figures that are not accurate yet.
+pub fn of_round(settings: &ResponseSettings, round: &Round) -> String {
+    let (Some(accuracy), Some(next)) = (&settings.accuracy, round.next_waves) else {
+        return String::new();
+    };
+    let open = missing::inaccurate(&round.response.figures, accuracy.share);
+    match open.is_empty() {
+        true => format!("({next} waves)"),
+        false => format!("({next} waves; open: {open})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the notation of accuracies: per cent, or a share. A number that could be either is refused.
+    #[test]
+    fn accuracies_are_per_cent_or_shares() {
+        assert_eq!(percent("2%"), Ok(0.02));
+        assert_eq!(percent("0.5 %"), Ok(0.005));
+        assert_eq!(percent("0.02"), Ok(0.02));
+        assert!(percent("2").is_err_and(|message| message.contains("2%")));
+        assert!(percent("two%").is_err());
+    }
+}

@@ -1,0 +1,107 @@
+//! Distances from points to the surfaces of a scene, found nearest-first in the hierarchies.
+
+use super::closed_form::Placed;
+use super::exact::ExactScene;
+use glam::DVec3;
+
+impl ExactScene {
+    /// Signed distance in metres from a world point to the nearest surface, negative inside a solid. The listener is
+    /// ignored.
+    pub fn surface_distance(&self, point: DVec3) -> f64 {
+        self.least_distance(point, |_, surface| surface.distance(point))
+    }
+
+    /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
+    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `face` is the number of the
+    /// surface, from 1, and the unit normal of its face.
+    pub(crate) fn distance_without_face(&self, point: DVec3, face: (u32, DVec3)) -> f64 {
+        self.least_distance(point, |number, surface| match number == face.0 {
+            true => surface.distance_without_face(point, face.1),
+            false => surface.distance(point),
+        })
+    }
+
+    /// The least of the distances from a point that `distance` gives for a surface and its number, from 1. They are at
+    /// least [`Placed::distance`].
+    fn least_distance(&self, point: DVec3, distance: impl Fn(u32, &Placed) -> f64) -> f64 {
+        let mut least = f64::INFINITY;
+        self.visit_nearest(point, |number, surface| {
+            least = least.min(distance(number, surface));
+            least
+        });
+        least
+    }
+
+    /// Calls `visit` with the number, from 1, of each surface that can be nearest to a point. The result of `visit` is
+    /// the least distance so far in metres: surfaces whose bounding box is farther away are left out.
+    fn visit_nearest(&self, point: DVec3, mut visit: impl FnMut(u32, &Placed) -> f64) {
+        let mut least = f64::INFINITY;
+        for &index in &self.with_bounds_of_distance {
+            least = visit(index + 1, &self.surfaces[index as usize]);
+        }
+        for hierarchy in &self.hierarchies {
+            hierarchy.around(point, least, |index, _| {
+                let surface = &self.surfaces[index];
+                if surface.has_exact_distance() {
+                    least = visit(index as u32 + 1, surface);
+                }
+                least
+            });
+        }
+    }
+
+    /// Whether a world point is within `error_m` metres of the surface with this number, from 1.
+    pub(crate) fn is_on(&self, surface: u32, point: DVec3, error_m: f64) -> bool {
+        let index = (surface as usize).wrapping_sub(1);
+        let surface = self.surfaces.get(index);
+        surface.is_some_and(|surface| surface.distance(point).abs() <= error_m)
+    }
+
+    /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
+    pub(crate) fn nearest(&self, point: DVec3) -> u32 {
+        // Numbers start at 1.
+        self.nearest_except(point, 0)
+    }
+
+    /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 without
+    /// another surface.
+    pub(crate) fn nearest_except(&self, point: DVec3, except: u32) -> u32 {
+        let mut nearest: Option<(f64, u32)> = None;
+        self.visit_nearest(point, |number, surface| {
+            let found = (surface.distance(point), number);
+            // At equal distances, the first surface in the scene is nearest.
+            let is_nearer = |(distance, other): (f64, u32)| {
+                found
+                    .0
+                    .total_cmp(&distance)
+                    .then(number.cmp(&other))
+                    .is_lt()
+            };
+            if number != except && nearest.is_none_or(is_nearer) {
+                nearest = Some(found);
+            }
+            nearest.map_or(f64::INFINITY, |(distance, _)| distance)
+        });
+        nearest.map_or(0, |(_, number)| number)
+    }
+
+    /// Whether a world point is more than `depth` metres inside a solid.
+    pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
+        let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;
+        let mut hierarchies = self.hierarchies.iter();
+        hierarchies.any(|hierarchy| hierarchy.any_near(point, 0.0, is_in))
+    }
+
+    /// [`ExactScene::surface_distance`] if the bounding box of a surface is within `reach` metres, otherwise at least
+    /// `reach`.
+    pub(crate) fn distance_within(&self, point: DVec3, reach: f64) -> f64 {
+        let mut nearest = reach;
+        for hierarchy in &self.hierarchies {
+            hierarchy.any_near(point, reach, |index| {
+                nearest = nearest.min(self.surfaces[index].distance(point));
+                false
+            });
+        }
+        nearest
+    }
+}

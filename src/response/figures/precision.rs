@@ -1,0 +1,192 @@
+//! The precision of figures: their noise, also where a figure is withheld, and the number of waves that a requested
+//! precision takes.
+
+use super::uncertainty::{Halves, WORST_TIME_ERROR};
+use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, LEAST_ARRIVALS, List};
+use crate::bands::BAND_COUNT;
+use crate::serialised::finite;
+use serde::{Deserialize, Serialize};
+
+/// The noise of a figure from the finite number of waves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[non_exhaustive]
+pub struct Precision {
+    /// The figure from all waves, also if it is too noisy to be reported. `None` if it is not defined.
+    #[serde(serialize_with = "finite")]
+    pub value: Option<f64>,
+    /// One standard deviation of the figure from the noise of the waves alone, in the figure's unit. `None` without
+    /// batches, and if the figure is not defined for half of the batches.
+    #[serde(serialize_with = "finite")]
+    pub noise: Option<f64>,
+    /// Number of arrivals of equal energy after the end of the decay. `None` except for decay times.
+    #[serde(serialize_with = "finite")]
+    pub arrivals: Option<f64>,
+}
+
+/// Why a figure that is defined is not reported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Withheld {
+    /// Too few waves arrive after the end of the decay: their number.
+    FewArrivals(f64),
+    /// The error of a decay time from the noise of the waves, as a share of the time. `None` if it is unknown, because
+    /// half of the waves do not give the figure.
+    Noise(Option<f64>),
+    /// One further arrival in a band with few arrivals changes the figure by more than a just noticeable difference.
+    FewWaves,
+}
+
+/// Factor of the number of waves if the noise is unknown: half of the waves do not give the figure.
+const UNKNOWN_NOISE: f64 = 4.0;
+
+/// The least part of the requested precision that the noise may use up, as a share. Errors that more waves do not
+/// reduce may use up the remainder.
+const LEAST_NOISE_SHARE: f64 = 0.5;
+
+impl Figures {
+    /// Minimum number of arrivals of equal energy after the end of a reported decay.
+    pub const LEAST_ARRIVALS: f64 = LEAST_ARRIVALS;
+
+    /// The standard errors that correspond to an accuracy, a share of decay times, by the order of
+    /// [`BandFigures::NAMES`] and in the units of the figures. Just noticeable differences (ISO 3382-1, annex A) are in
+    /// proportion: for 2 % these are 2 % of a decay time, 0.2 dB, 0.01 for D50 and 2 ms for Ts.
+    pub(crate) fn tolerances(accuracy: f64, values: &List) -> [f64; FIGURE_COUNT] {
+        /// Decibels, D50 and seconds per unit of accuracy.
+        const DECIBELS: f64 = 10.0;
+        const DEFINITION: f64 = 0.5;
+        const CENTRE_S: f64 = 0.1;
+        let time = |figure: usize| accuracy * values[figure].unwrap_or(0.0);
+        let decibels = DECIBELS * accuracy;
+        [
+            time(0),
+            time(1),
+            time(2),
+            decibels,
+            decibels,
+            DEFINITION * accuracy,
+            CENTRE_S * accuracy,
+            decibels,
+        ]
+    }
+
+    /// Why a figure of a band is withheld, with the figure's place in [`BandFigures::NAMES`]. `None` if it is reported,
+    /// and if it is not defined for this sound.
+    #[doc(hidden)]
+    pub fn withheld(&self, band: usize, figure: usize) -> Option<Withheld> {
+        let precision = &self.precision[band][figure];
+        let value = precision.value?;
+        if self.bands[band].list()[figure].is_some() {
+            return None;
+        }
+        if figure >= DECAY_TIMES {
+            return Some(Withheld::FewWaves);
+        }
+        let share = precision.noise.map(|noise| noise / value);
+        match precision.arrivals {
+            Some(arrivals) if arrivals < LEAST_ARRIVALS => Some(Withheld::FewArrivals(arrivals)),
+            _ => Some(Withheld::Noise(share)),
+        }
+    }
+
+    /// The factor by which the number of waves must grow until a figure of a band is reported; `None` if it is
+    /// reported or not defined, and infinite if no wave arrives after the end of its decay.
+    #[doc(hidden)]
+    pub fn waves_to_report(&self, band: usize, figure: usize) -> Option<f64> {
+        let factor = match self.withheld(band, figure)? {
+            Withheld::FewArrivals(arrivals) if arrivals < 1.0 => f64::INFINITY,
+            Withheld::FewArrivals(arrivals) => LEAST_ARRIVALS / arrivals,
+            Withheld::Noise(Some(share)) => (share / WORST_TIME_ERROR).powi(2),
+            Withheld::Noise(None) | Withheld::FewWaves => UNKNOWN_NOISE,
+        };
+        Some(factor.max(1.0))
+    }
+
+    /// The factor by which the number of waves must grow until every figure has this accuracy. 1 or less if all have
+    /// it. Figures that are not defined, and errors that do not come from noise, ask for no waves.
+    pub(crate) fn waves_for(&self, accuracy: f64) -> f64 {
+        let bands = 0..BAND_COUNT;
+        let factors = bands.flat_map(|band| (0..FIGURE_COUNT).map(move |figure| (band, figure)));
+        factors
+            .filter_map(|(band, figure)| self.factor_for(accuracy, band, figure))
+            .filter(|factor| factor.is_finite())
+            .fold(0.0, f64::max)
+    }
+
+    /// Whether a figure of a band has this accuracy. `None` if it is not defined.
+    #[doc(hidden)]
+    pub fn is_accurate(&self, accuracy: f64, band: usize, figure: usize) -> Option<bool> {
+        Some(self.factor_for(accuracy, band, figure)? <= 1.0)
+    }
+
+    fn factor_for(&self, accuracy: f64, band: usize, figure: usize) -> Option<f64> {
+        let precision = &self.precision[band][figure];
+        let value = precision.value?;
+        let least = self.waves_to_report(band, figure).unwrap_or(0.0);
+        let mut values = [None; FIGURE_COUNT];
+        values[figure] = Some(value);
+        let tolerance = Figures::tolerances(accuracy, &values)[figure];
+        let error = self.errors[band].list()[figure].unwrap_or(0.0);
+        let noise = match precision.noise {
+            Some(noise) => noise,
+            None if least > 0.0 => return Some(least),
+            // Without batches the noise is unknown.
+            None => return None,
+        };
+        let other = (error.powi(2) - noise.powi(2)).max(0.0).sqrt();
+        let left = (tolerance.powi(2) - other.powi(2)).max(0.0).sqrt();
+        let left = left.max(LEAST_NOISE_SHARE * tolerance);
+        Some(least.max((noise / left).powi(2)))
+    }
+
+    /// The precision of all figures of a band.
+    pub(super) fn precision_of(
+        halves: &Halves,
+        band: usize,
+        list: &List,
+        (arrivals, in_decays): (f64, [f64; DECAY_TIMES]),
+    ) -> [Precision; FIGURE_COUNT] {
+        let noise = halves.noise(band, list, arrivals);
+        std::array::from_fn(|figure| Precision {
+            value: list[figure].filter(|value| value.is_finite()),
+            noise: noise[figure],
+            arrivals: in_decays.get(figure).copied(),
+        })
+    }
+
+    /// The figures of a band that are precise enough to be reported, and their errors.
+    pub(super) fn reported(
+        precision: &[Precision; FIGURE_COUNT],
+        has_batches: bool,
+    ) -> (BandFigures, BandFigures) {
+        let is_reported = |figure: usize| {
+            let Precision {
+                value,
+                noise,
+                arrivals,
+            } = precision[figure];
+            if !has_batches {
+                return true;
+            }
+            let worst = match figure < DECAY_TIMES {
+                true => WORST_TIME_ERROR * value.unwrap_or(0.0),
+                false => f64::INFINITY,
+            };
+            arrivals.is_none_or(|arrivals| arrivals >= LEAST_ARRIVALS)
+                && noise.is_some_and(|noise| noise <= worst && noise.is_finite())
+        };
+        let told = |of: fn(&Precision) -> Option<f64>| {
+            let list = std::array::from_fn(|figure| {
+                of(&precision[figure]).filter(|_| is_reported(figure))
+            });
+            BandFigures::from_list(list)
+        };
+        (told(|figure| figure.value), told(|figure| figure.noise))
+    }
+}
+
+/// No figures.
+pub(super) const NO_PRECISION: [[Precision; FIGURE_COUNT]; BAND_COUNT] = [[Precision {
+    value: None,
+    noise: None,
+    arrivals: None,
+}; FIGURE_COUNT];
+    BAND_COUNT];

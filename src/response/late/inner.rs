@@ -1,0 +1,66 @@
+//! The inner sphere: the same waves in a smaller sphere about the listener, as a check of the sphere of late arrivals.
+//!
+//! Where surfaces focus sound, the energy may vary within the sphere of late arrivals. The difference between the
+//! figures of the two spheres shows this. The spread of the batches gives the noise of the difference. The square of the
+//! difference less its variance estimates the square of the bias, which becomes part of the errors. If the differences
+//! exceed their noise in most bands, the sphere of late arrivals is rejected, and the listener's own sphere is used.
+
+use super::sphere::LateSphere;
+use crate::bands::BAND_COUNT;
+use crate::response::source_sound::Medium;
+use crate::response::{Arrival, Differences, Echogram, Record};
+
+/// The arrivals of the same waves in both spheres.
+#[derive(Clone, Debug)]
+pub(in crate::response) struct Difference {
+    wide: Echogram,
+    inner: Echogram,
+}
+
+/// The sphere of late arrivals is rejected if the squares of a figure's differences exceed this multiple of their
+/// variances, on the average over the bands: four standard deviations.
+const MOST_TIMES_VARIANCE: f64 = 16.0;
+
+/// The difference that a response collects, if the two spheres are compared.
+pub(super) fn heard_in_inner<'a>(
+    difference: &'a mut Option<Difference>,
+    late: &LateSphere,
+    like: &Echogram,
+) -> Option<&'a mut Difference> {
+    late.inner_m?;
+    Some(difference.get_or_insert_with(|| Difference {
+        wide: like.without_arrivals(),
+        inner: like.without_arrivals(),
+    }))
+}
+
+impl Difference {
+    /// Adds an arrival to both spheres.
+    pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
+        medium.add(&mut self.wide, arrival);
+        if arrival.inner > 0.0 {
+            let inner = Arrival {
+                energy: arrival.energy.map(|energy| arrival.inner * energy),
+                ..*arrival
+            };
+            medium.add(&mut self.inner, &inner);
+        }
+    }
+
+    /// The differences of the figures if the late arrivals of the record are those of the inner sphere.
+    pub fn of_figures(&self, record: &Record, direct_s: Option<f64>) -> Differences {
+        let mut inner = record.echogram.clone();
+        inner.add_scaled(&self.wide, &[-1.0; BAND_COUNT]);
+        inner.add_scaled(&self.inner, &[1.0; BAND_COUNT]);
+        Differences::between(
+            record,
+            &Record::new(record.taps, &inner, record.ends_s),
+            direct_s,
+        )
+    }
+}
+
+/// Whether the differences exceed their noise, so that the sphere of late arrivals must not be used.
+pub(in crate::response) fn are_biased(differences: &Differences) -> bool {
+    differences.squares_over_variances() > MOST_TIMES_VARIANCE
+}

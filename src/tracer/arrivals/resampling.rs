@@ -1,0 +1,169 @@
+//! Resampling: waves with little energy end, and waves with much energy are split.
+//!
+//! Few waves carry most of the energy after some dozen reflections in a furnished room: waves that seldom meet absorbing
+//! surfaces, and waves with long flights, such as a flutter echo between distant walls. The noise is that of these few
+//! waves. The travelling waves of a block are therefore replaced by as many waves of about equal importance (russian
+//! roulette and splitting; H. Kahn, *Use of different Monte Carlo sampling techniques*, 1956). The expected energy of
+//! every wave is unchanged. A copy has the same position and direction as its original, and takes another way as soon as
+//! a surface scatters it. It counts as the same wave from the source, so that the batches stay independent.
+//!
+//! The importance of a wave in a band is its energy relative to the energy that waves of its length have on the average.
+//! A decay is evaluated in decibels, so every part of it needs the same relative precision. The expected number of
+//! copies is proportional to the root of the sum of squares over the bands, which minimises the sum of the relative
+//! variances. Systematic resampling draws the numbers of copies with one random number (J. Carpenter, P. Clifford and P.
+//! Fearnhead, *Improved particle filter for nonlinear problems*, 1999).
+
+use super::replay::Block;
+use crate::bands::{self, BAND_COUNT};
+
+/// Iterations of a chunk after which waves may be resampled. A flutter echo between distant walls must be split before it
+/// is far ahead of other waves. In the scene flat the standard deviation of T30 over six seeds, with 16,384 waves, was
+/// 0.7 to 2.1 % in 0.93 s with 6 iterations, and 1.2 to 7.0 % in 0.76 s without resampling; in a room of 8 × 3 × 5 m
+/// whose walls scatter 0.1 it was 0.2 to 0.6 % in 0.33 s and 0.4 to 1.1 % in 0.22 s.
+pub const ITERATIONS_BEFORE_RESAMPLING: u32 = 6;
+
+/// The waves are resampled if the importance of a wave exceeds this multiple of the mean.
+const MOST_TIMES_MEAN: f64 = 3.0;
+
+/// A band counts while its waves have more than this share of their initial energy (−55 dB): T30 ends at −35 dB, and
+/// the record must continue for 10 dB.
+const COUNTING: f64 = 3e-6;
+
+/// The weight of the other bands, which keeps every wave's number of copies above 0.
+const FAINT: f64 = 1e-2;
+
+/// Greatest exponent of the decay between a wave's length and the mean length (30 dB), which limits the copies of a wave
+/// that is far ahead of the others.
+const MOST_AHEAD: f64 = 7.0;
+
+/// Minimum number of travelling waves that are resampled.
+const LEAST_WAVES: usize = 64;
+
+impl Block {
+    /// Whether a wave is much more important than others.
+    pub fn is_uneven(&self) -> bool {
+        let travelling = self.travelling();
+        if travelling.len() < LEAST_WAVES {
+            return false;
+        }
+        let importance = self.importance(&travelling);
+        let sum: f64 = importance.iter().sum();
+        let mean = sum / travelling.len() as f64;
+        importance.iter().any(|one| *one > MOST_TIMES_MEAN * mean)
+    }
+
+    /// Replaces the travelling waves by as many waves of about equal energy. `random` is uniform in 0 … 1. Returns the
+    /// original's texel for each texel of the grid.
+    pub fn resample(&mut self, random: f64) -> Vec<u32> {
+        let travelling = self.travelling();
+        let importance = self.importance(&travelling);
+        let mut originals = Vec::with_capacity(travelling.len());
+        let mut energies = Vec::with_capacity(travelling.len());
+        let per_copy = importance.iter().sum::<f64>() / travelling.len() as f64;
+        let (mut upto, mut next) = (0.0, random);
+        for (wave, importance) in travelling.iter().zip(&importance) {
+            let expected = importance / per_copy;
+            upto += expected;
+            let mut copies = 0.0;
+            while next < upto && originals.len() < travelling.len() {
+                originals.push(*wave);
+                next += 1.0;
+                copies += 1.0;
+            }
+            // A wave that is expected to have a copy has one, and its energy is divided among its copies.
+            let share = if expected >= 1.0 {
+                1.0 / copies
+            } else {
+                1.0 / expected
+            };
+            let energy = self.energy(*wave as usize).map(|energy| share * energy);
+            energies.extend(std::iter::repeat_n(energy, copies as usize));
+        }
+        // Rounding may leave the last copy out.
+        while let (true, Some(last)) = (originals.len() < travelling.len(), travelling.last()) {
+            originals.push(*last);
+            energies.push([0.0; BAND_COUNT]);
+        }
+        self.replace(&travelling, &originals, energies)
+    }
+
+    /// The importance of each travelling wave, up to a common factor.
+    fn importance(&self, travelling: &[u32]) -> Vec<f64> {
+        let mut energy = [0.0; BAND_COUNT];
+        for wave in travelling {
+            bands::add(&mut energy, &self.energy(*wave as usize));
+        }
+        let count = travelling.len() as f64;
+        let lengths = travelling.iter().map(|wave| self.length_m(*wave));
+        let mean_m = lengths.sum::<f64>() / count;
+        let at_start = self.energy_at_start() / f64::from(self.waves());
+        let of_band = |band: usize| {
+            let mean = energy[band] / count;
+            let weight = if self.counts(energy[band]) {
+                1.0
+            } else {
+                FAINT
+            };
+            let loss_per_m = (at_start / mean).ln().max(0.0) / mean_m.max(f64::MIN_POSITIVE);
+            (mean > 0.0).then_some((weight / mean, loss_per_m))
+        };
+        let of_bands: [Option<(f64, f64)>; BAND_COUNT] = std::array::from_fn(of_band);
+        let of_wave = |wave: &u32| {
+            let energy = self.energy(*wave as usize);
+            let ahead_m = self.length_m(*wave) - mean_m;
+            let squares = (0..BAND_COUNT).filter_map(|band| {
+                let (weight, loss_per_m) = of_bands[band]?;
+                let longer = (loss_per_m * ahead_m).clamp(-MOST_AHEAD, MOST_AHEAD);
+                Some((weight * energy[band] * longer.exp()).powi(2))
+            });
+            squares.sum::<f64>().sqrt()
+        };
+        travelling.iter().map(of_wave).collect()
+    }
+
+    /// Whether the energy of a band still matters to the figures.
+    fn counts(&self, energy: f64) -> bool {
+        energy > COUNTING * self.energy_at_start()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::Grid;
+    use super::*;
+    use crate::sampling::{hash, unit_interval};
+
+    const WAVES: u32 = 1000;
+
+    /// A block of waves with energies between 1e-4 and 1.
+    fn block() -> Block {
+        let energy = |wave: u32| [10_f64.powf(-4.0 * unit_interval(hash(wave.into()))); BAND_COUNT];
+        let grid = Grid {
+            waves: WAVES,
+            width: 32,
+            height: 32,
+        };
+        Block::new(0, (grid, None), (0..WAVES).map(energy).collect())
+    }
+
+    fn total(block: &Block) -> f64 {
+        (0..WAVES as usize).map(|wave| block.energy(wave)[3]).sum()
+    }
+
+    /// Protects the energy of a block: its expected value is unchanged, the waves are about equal afterwards, and they
+    /// are numbered by the waves from which they come.
+    #[test]
+    fn resampling_keeps_the_energy_and_evens_the_waves() {
+        let before = total(&block());
+        assert!(block().is_uneven());
+        let mut sum = 0.0;
+        for trial in 0..100 {
+            let mut block = block();
+            let originals = block.resample(unit_interval(hash(trial)));
+            assert!(!block.is_uneven());
+            assert_eq!(originals.len(), 1024);
+            sum += total(&block) / 100.0;
+        }
+        assert!((sum / before - 1.0).abs() < 2e-3, "{sum} {before}");
+    }
+}
