@@ -94,6 +94,15 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     }
     t = limitReached ? -1.0 : t;
 #endif
+#if MEETS_MESHES
+    float meshMet;
+    float before = t < 0.0 ? maxDistance : t;
+    float met = closestMesh(origin.xyz, direction.xyz, before, meshMet);
+    if (!limitReached && met < before) {
+        t = met;
+        object = meshMet;
+    }
+#endif
     float counters = countPass(direction.w, t == 0.0, limitReached);
     if (t < 0.0) {
         origin = vec4(origin.xyz, STATUS_DEAD);

@@ -19,5 +19,13 @@ float fly(vec3 p, vec3 d, float last, out float object) {
         object = fieldMet;
     }
 #endif
+#if MEETS_MESHES
+    float meshMet;
+    float met = closestMesh(p, d, t, meshMet);
+    if (met < t) {
+        t = met;
+        object = meshMet;
+    }
+#endif
     return limitReached ? -1.0 : t;
 }

@@ -4,6 +4,7 @@
 //! into the solid then hits the surface at once, and a line that points out of the solid leaves it.
 
 use super::marched::MarchedField;
+use super::placed_mesh::PlacedMesh;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Bounds3, Node, Surface};
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -28,6 +29,7 @@ enum Form {
         radius: f64,
     },
     Field(Arc<MarchedField>),
+    Mesh(PlacedMesh),
 }
 
 /// A shape placed in the world.
@@ -53,6 +55,8 @@ pub(super) struct Intersection {
     pub t: f64,
     /// The face that is hit, for a box or a room.
     pub face: Option<Face>,
+    /// The index of the triangle that is hit, for a mesh.
+    pub triangle: Option<u32>,
 }
 
 impl Placed {
@@ -72,6 +76,7 @@ impl Placed {
             Node::Cylinder(Cylinder { radius }) => Form::Cylinder {
                 radius: radius.into(),
             },
+            Node::Mesh(ref of) => Form::Mesh(PlacedMesh::new(of)),
             _ => Form::Field(Arc::new(MarchedField::new(&surface.shape))),
         };
         let [x, y, z, w] = surface.rotation.to_array().map(f64::from);
@@ -162,6 +167,7 @@ impl Placed {
         match &self.form {
             Form::Room { .. } => false,
             Form::Field(field) => field.is_convex(),
+            Form::Mesh(_) => false,
             _ => true,
         }
     }
@@ -181,6 +187,7 @@ impl Placed {
             Form::Box { half, .. } | Form::Room { half } => half.max_element(),
             Form::Sphere { radius } | Form::Cylinder { radius } => radius,
             Form::Field(ref field) => field.extent(),
+            Form::Mesh(ref mesh) => mesh.extent(),
         };
         self.position.abs().max_element() + size
     }
@@ -195,6 +202,7 @@ impl Placed {
                 Bounds3::centred(DVec3::new(radius, f64::INFINITY, radius))
             }
             Form::Field(ref field) => field.bounds(),
+            Form::Mesh(ref mesh) => mesh.bounds(),
         };
         let turned = self.turn.map_or(own, |(turn, _)| turned(own, turn));
         turned.moved(self.position)
@@ -210,6 +218,7 @@ impl Placed {
             Form::Sphere { radius } => p.length() - radius,
             Form::Cylinder { radius } => DVec2::new(p.x, p.z).length() - radius,
             Form::Field(ref field) => field.distance(p),
+            Form::Mesh(ref mesh) => mesh.distance(p),
         }
     }
 
@@ -259,7 +268,11 @@ impl Placed {
     ) -> Option<Intersection> {
         let o = self.local(origin - self.position);
         let d = self.local(direction);
-        let smooth = |t| Intersection { t, face: None };
+        let smooth = |t| Intersection {
+            t,
+            face: None,
+            triangle: None,
+        };
         let intersection = match self.form {
             Form::Plane => (d.y < 0.0).then(|| smooth((o.y / -d.y).max(0.0))),
             Form::Box { half, covered } => intersect_box(half, covered, o, d, error_bound),
@@ -267,6 +280,7 @@ impl Placed {
             Form::Sphere { radius } => intersect_sphere(radius, o, d).map(smooth),
             Form::Cylinder { radius } => intersect_cylinder(radius, o, d).map(smooth),
             Form::Field(ref field) => field.intersect(o, d, until).map(smooth),
+            Form::Mesh(ref mesh) => mesh.intersect(o, d, error_bound, until),
         };
         intersection.filter(|intersection| intersection.t.is_finite())
     }
@@ -296,6 +310,11 @@ impl Placed {
         direction: DVec3,
         intersection: Intersection,
     ) -> (DVec3, DVec3) {
+        if let (Form::Mesh(mesh), Some(triangle)) = (&self.form, intersection.triangle) {
+            let (o, d) = (self.local(origin - self.position), self.local(direction));
+            let (point, normal) = mesh.project(triangle, o, d);
+            return (self.world(point) + self.position, self.world(normal));
+        }
         let p = self.local(origin + direction * intersection.t - self.position);
         let (point, normal) = match (&self.form, intersection.face) {
             (Form::Field(field), _) => field.project(p, self.local(direction)),
@@ -425,6 +444,7 @@ fn intersect_box(
     Some(Intersection {
         t,
         face: Some(Face { axis, positive }),
+        triangle: None,
     })
 }
 
@@ -448,6 +468,7 @@ fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option
     met.map(|face| Intersection {
         t: nearest,
         face: Some(face),
+        triangle: None,
     })
 }
 

@@ -41,6 +41,7 @@ mod hollow;
 mod image_source;
 mod marched;
 mod obstacles;
+mod placed_mesh;
 mod shoebox_energies;
 mod sight;
 #[cfg(test)]

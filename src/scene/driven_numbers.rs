@@ -70,6 +70,7 @@ impl Surface {
             shape: self.shape.clone(),
             material: None,
             walls: Default::default(),
+            faces: Default::default(),
             ..*self
         };
         let parameters = bare.parameters_mut().into_iter();

@@ -292,6 +292,13 @@ pub enum Warning {
         /// True if all samples are solid, false if all samples are air.
         solid: bool,
     },
+    /// A mesh with a defect that changes what is heard.
+    OddMesh {
+        /// The surface.
+        surface: String,
+        /// The number and the first place of the defect, and its effect.
+        why: String,
+    },
 }
 
 /// Formats a count with its noun: `1 source`, `2 sources`.
@@ -310,6 +317,7 @@ fn to_millimetres(metres: f32) -> f64 {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Warning::OddMesh { surface, why } => write!(f, "{surface}: {why}"),
             Warning::SourceInsideSurface {
                 source,
                 surface,

@@ -14,6 +14,7 @@ mod driven_numbers;
 mod error;
 mod file;
 mod material;
+pub mod mesh;
 mod motion;
 mod notation;
 mod pair;
@@ -31,7 +32,7 @@ pub use error::{SceneError, Warning};
 pub use file::BasedScene;
 pub(crate) use file::SceneWatch;
 #[doc(hidden)]
-pub use file::bases_of;
+pub use file::{bases_of, path_from};
 pub use material::{BuiltinMaterial, Material};
 #[doc(hidden)]
 pub use motion::{Driver, Quantity};
@@ -209,6 +210,7 @@ impl Scene {
         let file = |asset: Asset| match asset {
             Asset::User(field) => field.file.clone(),
             Asset::Image(image) => PathBuf::from(image.name()),
+            Asset::Mesh(mesh) => PathBuf::from(mesh.name()),
         };
         let balloons = self.balloons().map(|balloon| balloon.name().into());
         self.assets().map(file).chain(balloons).collect()
@@ -222,6 +224,7 @@ impl Scene {
         let content = |asset: Asset| match asset {
             Asset::User(field) => field.text.clone().into_bytes(),
             Asset::Image(image) => image.to_bytes(),
+            Asset::Mesh(mesh) => mesh.to_bytes(),
         };
         let balloons = self.balloons().map(Balloon::to_bytes);
         self.assets().map(content).chain(balloons).collect()

@@ -287,11 +287,15 @@ impl Scene {
     }
 
     /// The material of a surface (counted from 0), or of one of its walls in the order of
-    /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). A wall without its own material has the material of the
+    /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES), or of one of the groups of a mesh. A wall without its own material has the material of the
     /// surface. `None` if neither has a material: all energy is reflected.
     pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<&Material> {
         let surface = self.surfaces.get(surface)?;
-        self.material_named(surface.material_name(wall)?)
+        // A group of faces has the material of its own name, if no other is stated.
+        let group = wall.and_then(|group| surface.group_name(group));
+        let own = group.filter(|group| !surface.faces.contains_key(*group));
+        let own = own.and_then(|group| self.material_named(group));
+        own.or_else(|| self.material_named(surface.material_name(wall)?))
     }
 
     /// The material of this name: the scene's own material, otherwise the built-in material.
@@ -332,7 +336,13 @@ impl Scene {
     /// The materials of all surfaces and walls, with repetitions.
     fn used_materials(&self) -> impl Iterator<Item = &Material> {
         let names = self.surfaces.iter().flat_map(|s| s.material_names());
-        names.filter_map(|name| self.material_named(name))
+        let named = names.filter_map(|name| self.material_named(name));
+        let surfaces = self.surfaces.iter().enumerate();
+        let meshes = surfaces.filter(|(_, surface)| surface.shape.mesh().is_some());
+        let groups = meshes.flat_map(move |(index, surface)| {
+            (0..surface.part_count()).filter_map(move |group| self.material(index, Some(group)))
+        });
+        named.chain(groups)
     }
 
     /// Speed of sound in metres per second: of the scene's air, or 343 without air.

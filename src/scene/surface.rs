@@ -6,6 +6,7 @@
 use super::shape::Room;
 use super::{Bounds3, Driver, Listener, Node, Scene, SceneError, Shape};
 use glam::{DMat3, Quat, Vec3};
+use std::collections::BTreeMap;
 
 /// A shape placed in the world.
 ///
@@ -45,6 +46,9 @@ pub struct Surface {
     /// For a [`Room`](super::shape::Room): the materials of the walls that differ from the surface's material, in the
     /// order of [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). The walls rotate with the room.
     pub walls: [Option<String>; Room::WALL_COUNT],
+    /// For a [`Mesh`](super::shape::Mesh): the materials of faces by the names of their groups. A group without an entry
+    /// has the scene's material of the same name, otherwise the material of the surface.
+    pub faces: BTreeMap<String, String>,
 }
 
 impl Surface {
@@ -60,6 +64,7 @@ impl Surface {
             drivers: Vec::new(),
             material: None,
             walls: Default::default(),
+            faces: BTreeMap::new(),
         }
     }
 
@@ -106,6 +111,17 @@ impl Surface {
         Ok(self)
     }
 
+    /// Returns the mesh with the material of this name on the faces of a group.
+    #[must_use]
+    pub fn with_face_material(
+        mut self,
+        group: impl Into<String>,
+        name: impl Into<String>,
+    ) -> Surface {
+        self.faces.insert(group.into(), name.into());
+        self
+    }
+
     /// The name of the surface with this index (from 0) in messages.
     #[doc(hidden)]
     pub fn label(&self, index: usize) -> String {
@@ -118,8 +134,36 @@ impl Surface {
 
     /// The name of a wall's material. A wall without its own material has the material of the surface.
     pub(super) fn material_name(&self, wall: Option<usize>) -> Option<&str> {
-        let of_wall = wall.and_then(|wall| self.walls.get(wall)?.as_deref());
+        let of_wall = wall.and_then(|wall| match self.group_name(wall) {
+            Some(group) => self.faces.get(group).map(String::as_str),
+            None => self.walls.get(wall)?.as_deref(),
+        });
         of_wall.or(self.material.as_deref())
+    }
+
+    /// The name of a mesh's group of faces; `None` for another shape.
+    pub(crate) fn group_name(&self, group: usize) -> Option<&str> {
+        let mesh = self.shape.mesh()?;
+        mesh.groups().get(group).map(String::as_str)
+    }
+
+    /// Number of parts that can have different materials: the walls of a room, or the groups of a mesh; 0 for another
+    /// shape.
+    pub(crate) fn part_count(&self) -> usize {
+        match (self.has_walls(), self.shape.mesh()) {
+            (true, _) => Room::WALL_COUNT,
+            (false, Some(mesh)) => mesh.groups().len(),
+            (false, None) => 0,
+        }
+    }
+
+    /// The name of a wall or of a group of faces; `None` without such a part.
+    #[doc(hidden)]
+    pub fn part_name(&self, part: usize) -> Option<&str> {
+        match self.has_walls() {
+            true => Room::WALL_NAMES.get(part).copied(),
+            false => self.group_name(part),
+        }
     }
 
     /// The names of all materials of the surface: its own, then those of its walls.
@@ -128,6 +172,7 @@ impl Surface {
         self.material
             .iter()
             .chain(walls.flatten())
+            .chain(self.faces.values())
             .map(String::as_str)
     }
 

@@ -2,7 +2,7 @@
 //! sphere.
 
 use super::materials::Materials;
-use super::pass_texts::{AlgorithmText, Directions, StartOrderText, start};
+use super::pass_texts::{AlgorithmText, Directions, StartOrderText, mesh_option, start};
 use super::structure::Structure;
 use super::text::{
     ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, fill, join, link,
@@ -41,6 +41,8 @@ pub(crate) struct ArrivalsText {
     pub has_inner_sphere: bool,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
+    /// Whether faces of a mesh have different materials.
+    pub has_groups: bool,
 }
 
 impl ArrivalsText {
@@ -69,6 +71,7 @@ impl ArrivalsText {
             transmits: materials.transmit(),
             has_inner_sphere: false,
             rooms: materials.rooms(),
+            has_groups: materials.has_groups(),
         };
         ArrivalsText {
             records: records.min(outputs - text.first_record()),
@@ -121,14 +124,18 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
         u8::from(text.has_inner_sphere)
     );
     if text.event_bits > 0 {
-        library.extend(materials_parts(&scene, &text.rooms));
+        library.extend(materials_parts(&scene, text));
         library.extend(parts(source!("arrivals/walls.glsl")));
     }
     if text.scatters {
         library.extend(parts(source!("arrivals/scatter.glsl")));
     }
     library.extend(parts(Source::new("outputs", written(text))));
-    let mut roots = vec![source!("wave.glsl"), Source::new("options", options), fly];
+    let mut roots = vec![source!("wave.glsl"), Source::new("options", options)];
+    if text.algorithm == AlgorithmText::March {
+        roots.push(mesh_option(&scene));
+    }
+    roots.push(fly);
     roots.extend(start(text.directions));
     let chunk = source!("arrivals/chunk.frag");
     let number = ("number", "number", "waveAt(texel)");
@@ -231,10 +238,12 @@ fn words(text: &ArrivalsText) -> String {
 /// The parts of `copyMaterials()` and `materialAt(object, turned)`. The latter returns the material number
 /// ([`Materials`]) of the object that changes a wave's direction by `turned`. `rooms` are the rooms whose walls have
 /// different materials.
-fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
-    let written = match Materials::fit_uniforms(text.unrolled.len(), rooms.len()) {
+fn materials_parts(text: &Text, options: &ArrivalsText) -> Vec<Part> {
+    let (rooms, has_groups) = (&options.rooms[..], options.has_groups);
+    let fit = Materials::fit_uniforms(text.unrolled.len(), rooms.len());
+    let written = match fit && !has_groups {
         true => by_uniforms(text, rooms),
-        false => by_table(text, rooms),
+        false => by_table(text, rooms, has_groups),
     };
     let mut parts = Vec::new();
     text.add(&mut parts, "the materials", written);
@@ -302,7 +311,7 @@ fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
 
 /// The shader text for many materials: all material numbers are in a table of the scene's data ([`Materials::table`]).
 /// Without a hit the looked-up number is not used.
-fn by_table(text: &Text, rooms: &[usize]) -> String {
+fn by_table(text: &Text, rooms: &[usize], has_groups: bool) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let mut own_axes = String::new();
     for named in text.unrolled.iter().filter(|named| is_room(&named.tag)) {
@@ -323,7 +332,14 @@ fn by_table(text: &Text, rooms: &[usize]) -> String {
         ),
     };
     let skeleton = source!("template/material_by_table.glsl");
-    fill(&skeleton, &[("of_walls", &of_walls)])
+    let of_groups = match has_groups {
+        true => source!("template/material_of_groups.glsl").text,
+        false => "".into(),
+    };
+    fill(
+        &skeleton,
+        &[("of_groups", &of_groups), ("of_walls", &of_walls)],
+    )
 }
 
 fn in_cells(text: &Text) -> String {

@@ -7,7 +7,7 @@
 //! | --- | --- | --- |
 //! | [`Structure`]: layout, assets, key of the programs | the surfaces, without their positions | once a frame; the only derivation of a layout |
 //! | turns of the loops ([`StructureTurns`]) | the structure | when the key changes |
-//! | heights of images, the first part of the data | the structure | when the key changes |
+//! | heights of images and meshes, the first part of the data | the structure | when the key changes |
 //! | origin, and the surfaces relative to it ([`RebasedScene`]) | positions, sizes, the listener | once a frame |
 //! | values of `uSurfaces` | the surfaces relative to the origin | once a frame |
 //! | cells ([`SceneCells`]) | positions, sizes | for the surfaces that moved |
@@ -39,7 +39,7 @@ pub(crate) struct CompiledScene {
     cells: Option<SceneCells>,
     /// The vectors that `sceneData(index)` reads.
     pub data: Vec<Vec4>,
-    /// Number of vectors of the data that hold heights of images.
+    /// Number of vectors of the data that hold heights of images, and meshes.
     heights: usize,
     /// The positions of the cells in the data, if the scene has cells.
     pub cell_data: Option<CellData>,
@@ -79,7 +79,7 @@ impl CompiledScene {
         self.structure = structure;
         if !is_same {
             self.turns = StructureTurns::of(&Text::new(scene, &self.structure));
-            self.data = scene_data::heights(&self.structure.assets);
+            self.data = scene_data::assets(&self.structure.assets);
             self.heights = self.data.len();
         }
         self.place(scene, rebasing, materials);
@@ -99,7 +99,7 @@ impl CompiledScene {
         let cells = self.cells.as_ref();
         self.cell_data =
             cells.map(|cells| CellData::append(data, layout, &self.surfaces, cells, numbers));
-        let fit = Materials::fit_uniforms(layout.unrolled.len(), materials.rooms().len());
+        let fit = materials.fit(layout.unrolled.len());
         self.material_table = (!materials.is_empty() && !fit).then_some(self.data.len());
         if let Some(first) = self.material_table {
             self.data.extend(materials.table(first));

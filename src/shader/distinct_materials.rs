@@ -1,7 +1,6 @@
 //! The distinct materials of the surfaces that waves hit.
 
 use crate::bands::{BAND_COUNT, Bands};
-use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
 use std::collections::HashSet;
 
@@ -37,9 +36,13 @@ pub(super) fn distinct(all: impl Iterator<Item = Distinct>) -> Vec<Distinct> {
 
 /// Whether a line that enters the solid of a surface (counted from 0) can leave it again. The solids of rooms, planes
 /// and half-spaces have no far side. Other unbounded solids are treated like bounded ones.
+/// Waves of the late part do not pass meshes, because the far ends of their ways would take too long to find.
 pub(super) fn has_far_side(scene: &Scene, index: usize) -> bool {
     let node = &scene.surfaces[index].shape.node;
-    !matches!(node, Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_))
+    !matches!(
+        node,
+        Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_) | Node::Mesh(_)
+    )
 }
 
 /// All surfaces by their index, and instead of each room its walls.
@@ -53,10 +56,9 @@ pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
     faces(scene).map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
 }
 
-/// The walls of a room, or `None` for any other surface as a whole.
+/// The walls of a room, the groups of a mesh, or `None` for any other surface as a whole.
 pub(super) fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
-    let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
-    let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
-    let whole = std::iter::once(None).filter(move |_| !is_room);
-    walls.chain(whole)
+    let count = scene.surfaces[index].part_count();
+    let whole = std::iter::once(None).filter(move |_| count == 0);
+    (0..count).map(Some).chain(whole)
 }

@@ -10,6 +10,7 @@
 //! ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
 
 use super::cells::Lists;
+use crate::scene::mesh::TriangleMesh;
 use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat, User};
 use crate::scene::{Copies, HeightImage, Node, Scene, Shape, Surface, UserField};
 use std::hash::{Hash, Hasher};
@@ -88,7 +89,9 @@ impl Layout {
         let fits = |axes: &[bool; 3]| {
             *axes != [true; 3] && (0..3).all(|axis| !axes[axis] || unbounded_axes[axis])
         };
-        let fitting = (0..all).filter(|&index| fits(&endless[index]));
+        // A mesh has a grid of its own.
+        let is_mesh = |index: usize| surfaces[index].shape.mesh().is_some();
+        let fitting = (0..all).filter(|&index| fits(&endless[index]) && !is_mesh(index));
         let in_cells = in_cells(kinds(surfaces, fitting), from);
         let mut layout = Layout {
             instanced: in_cells.iter().map(|kind| kind.surfaces[0]).collect(),
@@ -242,6 +245,7 @@ struct NodeSignature {
 enum OwnAsset {
     Image(Arc<HeightImage>),
     User(Arc<UserField>),
+    Mesh(Arc<TriangleMesh>),
 }
 
 impl From<Asset<'_>> for OwnAsset {
@@ -249,6 +253,7 @@ impl From<Asset<'_>> for OwnAsset {
         match asset {
             Asset::Image(image) => OwnAsset::Image(Arc::clone(image)),
             Asset::User(field) => OwnAsset::User(Arc::clone(field)),
+            Asset::Mesh(mesh) => OwnAsset::Mesh(Arc::clone(mesh)),
         }
     }
 }
@@ -300,6 +305,7 @@ impl PartialEq for OwnAsset {
         match (self, other) {
             (OwnAsset::Image(a), OwnAsset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
             (OwnAsset::User(a), OwnAsset::User(b)) => Arc::ptr_eq(a, b) || a == b,
+            (OwnAsset::Mesh(a), OwnAsset::Mesh(b)) => Arc::ptr_eq(a, b) || a == b,
             _ => false,
         }
     }
@@ -312,6 +318,7 @@ impl Hash for OwnAsset {
         match self {
             OwnAsset::Image(image) => image.size().hash(state),
             OwnAsset::User(user) => user.text.hash(state),
+            OwnAsset::Mesh(mesh) => mesh.triangle_count().hash(state),
         }
     }
 }

@@ -52,6 +52,8 @@ pub struct Materials {
     of_surfaces: Vec<f32>,
     /// The rooms whose walls have different materials, by index, and the numbers of their walls.
     walls: Vec<(usize, [f32; Room::WALL_COUNT])>,
+    /// The meshes whose groups have different materials, by index, and the numbers of their groups.
+    groups: Vec<(usize, Vec<f32>)>,
 }
 
 impl Materials {
@@ -115,19 +117,24 @@ impl Materials {
         let of_surfaces = (0..scene.surfaces.len()).map(|index| number(index, None));
         let of_surfaces: Vec<f32> = of_surfaces.collect();
         let mut rooms = Vec::new();
+        let mut groups = Vec::new();
         for (index, of_surface) in of_surfaces.iter().enumerate() {
             let numbers: Vec<f32> = walls(scene, index)
                 .map(|wall| number(index, wall))
                 .collect();
-            if let Ok(walls) = <[f32; Room::WALL_COUNT]>::try_from(numbers)
-                && walls != [*of_surface; Room::WALL_COUNT]
-            {
+            if numbers.iter().all(|number| number == of_surface) {
+                continue;
+            }
+            if scene.surfaces[index].shape.mesh().is_some() {
+                groups.push((index, numbers));
+            } else if let Ok(walls) = <[f32; Room::WALL_COUNT]>::try_from(numbers) {
                 rooms.push((index, walls));
             }
         }
         Materials {
             of_surfaces,
             walls: rooms,
+            groups,
             ..materials
         }
     }
@@ -180,6 +187,11 @@ impl Materials {
         self.walls.iter().map(|(room, _)| *room).collect()
     }
 
+    /// Whether the groups of a mesh have different materials.
+    pub fn has_groups(&self) -> bool {
+        !self.groups.is_empty()
+    }
+
     /// The number that shaders read for each surface.
     pub fn of_surfaces(&self) -> &[f32] {
         &self.of_surfaces
@@ -187,7 +199,8 @@ impl Materials {
 
     /// The vectors of a table in the scene's data that begins at index `first`. The table has the number of each
     /// surface. For a room whose walls differ the table also has the index of two vectors with the numbers of the
-    /// walls.
+    /// walls; for a mesh whose groups differ, the index of the number of its first group, and the number of its last
+    /// group.
     pub fn table(&self, first: usize) -> Vec<Vec4> {
         let own = |number: &f32| Vec4::new(*number, 0.0, 0.0, 0.0);
         let mut table: Vec<Vec4> = self.of_surfaces.iter().map(own).collect();
@@ -196,7 +209,17 @@ impl Materials {
             table.push(Vec4::new(*left, *right, *floor, *ceiling));
             table.push(Vec4::new(*front, *back, 0.0, 0.0));
         }
+        for (mesh, numbers) in &self.groups {
+            table[*mesh].z = (first + table.len()) as f32;
+            table[*mesh].w = numbers.len() as f32 - 1.0;
+            table.extend(numbers.iter().map(own));
+        }
         table
+    }
+
+    /// Whether the numbers of `unrolled` surfaces are uniforms. The numbers of groups of meshes are always in a table.
+    pub fn fit(&self, unrolled: usize) -> bool {
+        Materials::fit_uniforms(unrolled, self.walls.len()) && self.groups.is_empty()
     }
 
     /// Whether the numbers of `unrolled` surfaces fit in uniforms. `rooms` is the number of these surfaces that are
@@ -208,7 +231,7 @@ impl Materials {
     /// The numbers of some surfaces in vectors of four, or of all walls of a room whose walls differ. The result is
     /// empty if the numbers do not fit in uniforms.
     pub fn uniform_values(&self, surfaces: &[usize]) -> Vec<Vec4> {
-        if !Materials::fit_uniforms(surfaces.len(), self.walls.len()) {
+        if !self.fit(surfaces.len()) {
             return Vec::new();
         }
         let mut numbers = Vec::new();

@@ -28,6 +28,7 @@ mod covered_faces;
 mod distinct_materials;
 mod layout;
 mod materials;
+mod mesh_data;
 mod origin_rebasing;
 mod pass_texts;
 mod scene_data;

@@ -158,6 +158,7 @@ fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
         }
         AlgorithmText::March => {
             roots.push(options(scene.marches(Marched::All)));
+            roots.push(mesh_option(scene));
             roots.push(source!("iterate_march.glsl"));
             directed_parts(scene, ListenerText::Solid)
         }
@@ -175,6 +176,12 @@ fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
 fn options(marches_fields: bool) -> Source {
     let defines = format!("#define MARCHES_FIELDS {}\n", u8::from(marches_fields));
     Source::new("options", defines)
+}
+
+/// The option of `march` that states whether lines are intersected with meshes.
+pub(super) fn mesh_option(scene: &Text) -> Source {
+    let defines = format!("#define MEETS_MESHES {}\n", u8::from(scene.has_meshes()));
+    Source::new("option of meshes", defines)
 }
 
 /// The text of a picture of a scene, from the sources that draw the picture.

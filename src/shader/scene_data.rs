@@ -1,7 +1,7 @@
 //! The scene's data: everything that is too large for uniforms.
 //!
 //! The data are an array of vectors in this order:
-//! - The heights of images, at indices that the text contains.
+//! - The heights of images, and the meshes (`mesh_data.rs`), at indices that the text contains.
 //! - For surfaces in cells, a directory with one vector for each surface of the scene (its number, its kind, the index
 //!   of its values, its material), and then the values.
 //! - For lines, the cells of each kind, with records of its surfaces.
@@ -31,6 +31,7 @@
 
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
+use super::mesh_data::mesh_vectors;
 use super::origin_rebasing::{RebasedScene, rounding_of, value_count};
 use super::structure::Assets;
 use super::text::is_marched;
@@ -40,11 +41,17 @@ use glam::{DVec3, UVec3, Vec3, Vec4};
 /// Vectors in a row of the texture `uSceneData`.
 pub const DATA_WIDTH: usize = 1024;
 
-/// The heights of the scene's images, one per vector, in its first component.
-pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
-    let mut data = Vec::with_capacity(assets.data_length());
-    for (image, _) in &assets.images {
-        data.extend(image.heights().iter().map(|h| Vec4::new(*h, 0.0, 0.0, 0.0)));
+/// The heights of the scene's images, one per vector, in its first component, and the scene's meshes.
+pub(super) fn assets(assets: &Assets) -> Vec<Vec4> {
+    let mut data = vec![Vec4::ZERO; assets.data_length];
+    for (image, first) in &assets.images {
+        for (place, height) in data[*first..].iter_mut().zip(image.heights()) {
+            place.x = *height;
+        }
+    }
+    for (mesh, first) in &assets.meshes {
+        let vectors = mesh_vectors(mesh);
+        data[*first..first + vectors.len()].copy_from_slice(&vectors);
     }
     data
 }

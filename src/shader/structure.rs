@@ -6,7 +6,9 @@
 
 use super::cells::Lists;
 use super::layout::{GRID_VECTORS, Layout, MOST_UNROLLED, SurfaceStructure};
+use super::mesh_data::mesh_length;
 use super::origin_rebasing::value_count;
+use crate::scene::mesh::TriangleMesh;
 use crate::scene::shape::Asset;
 use crate::scene::{HeightImage, Scene, SceneError, Shape, UserField};
 use std::rc::Rc;
@@ -34,8 +36,8 @@ pub(crate) struct StructureKey {
     unrolled: Vec<(usize, SurfaceStructure)>,
     instanced: Vec<SurfaceStructure>,
     unbounded_axes: [bool; 3],
-    /// Index of the first height of each image, in the order of the text.
-    images: Vec<usize>,
+    /// Index in the scene's data of each image and of each mesh, in the order of the text.
+    places: Vec<usize>,
 }
 
 impl Structure {
@@ -49,7 +51,7 @@ impl Structure {
             unrolled: layout.unrolled.iter().map(unrolled).collect(),
             instanced: layout.instanced.iter().map(as_data).collect(),
             unbounded_axes: layout.unbounded_axes,
-            images: assets.places(&layout, scene),
+            places: assets.places(&layout, scene),
         };
         Structure {
             lists,
@@ -98,6 +100,10 @@ impl Structure {
 pub(super) struct Assets {
     /// Each image, with the index of its first height in the scene's data.
     pub images: Vec<(Arc<HeightImage>, usize)>,
+    /// Each mesh, with the index of its first vector in the scene's data.
+    pub meshes: Vec<(Arc<TriangleMesh>, usize)>,
+    /// Number of vectors in the scene's data that images and meshes take.
+    pub data_length: usize,
     /// Users' fields with different texts. The number of a field is its index here.
     pub users: Vec<Arc<UserField>>,
 }
@@ -116,8 +122,12 @@ impl Assets {
         for node in field.nodes() {
             match node.node.asset() {
                 Some(Asset::Image(image)) if self.image(image).is_none() => {
-                    let first = self.data_length();
-                    self.images.push((Arc::clone(image), first));
+                    self.images.push((Arc::clone(image), self.data_length));
+                    self.data_length += image.heights().len();
+                }
+                Some(Asset::Mesh(mesh)) if self.mesh(mesh).is_none() => {
+                    self.meshes.push((Arc::clone(mesh), self.data_length));
+                    self.data_length += mesh_length(mesh);
                 }
                 Some(Asset::User(field)) if self.user(field).is_none() => {
                     self.users.push(Arc::clone(field));
@@ -127,16 +137,9 @@ impl Assets {
         }
     }
 
-    /// Number of vectors in the scene's data that the images take.
-    pub fn data_length(&self) -> usize {
-        self.images
-            .last()
-            .map_or(0, |(image, first)| first + image.heights().len())
-    }
-
-    /// The indices of the first heights of the images that the text uses, in the order of the text.
+    /// The indices of the images and meshes that the text uses, in the order of the text.
     pub fn places(&self, layout: &Layout, scene: &Scene) -> Vec<usize> {
-        if self.images.is_empty() {
+        if self.images.is_empty() && self.meshes.is_empty() {
             return Vec::new();
         }
         let surfaces = layout.unrolled.iter().chain(&layout.instanced);
@@ -145,6 +148,7 @@ impl Assets {
             .flat_map(Shape::nodes)
             .filter_map(|f| match f.node.asset() {
                 Some(Asset::Image(image)) => self.image(image),
+                Some(Asset::Mesh(mesh)) => self.mesh(mesh),
                 _ => None,
             });
         images.collect()
@@ -153,6 +157,13 @@ impl Assets {
     pub fn image(&self, image: &Arc<HeightImage>) -> Option<usize> {
         let same = |known: &Arc<HeightImage>| Arc::ptr_eq(known, image) || **known == **image;
         let known = self.images.iter().find(|(known, _)| same(known));
+        known.map(|(_, first)| *first)
+    }
+
+    /// The index of a mesh in the scene's data.
+    pub fn mesh(&self, mesh: &Arc<TriangleMesh>) -> Option<usize> {
+        let same = |known: &Arc<TriangleMesh>| Arc::ptr_eq(known, mesh) || **known == **mesh;
+        let known = self.meshes.iter().find(|(known, _)| same(known));
         known.map(|(_, first)| *first)
     }
 

@@ -42,6 +42,13 @@ const USER_TURNS: u64 = 60;
 /// (`glsl/user/differences.glsl`).
 const CALLS_OF_DIFFERENCES: u64 = 62;
 
+/// Cells whose lists the distance to a mesh reads (`glsl/shape/mesh.glsl`).
+const CELLS_OF_DISTANCE: u64 = 8;
+
+/// Maximum turns that are counted for a line through a mesh. The count is the length of the longest list in each cell on
+/// a line along the diagonal of the grid, and no line meets that many triangles.
+const MOST_MESH_TURNS: u64 = 16_000;
+
 /// Turns of the loop over the step lengths.
 const TURNS_OF_DIFFERENCES: u64 = 7;
 
@@ -65,6 +72,8 @@ pub(super) struct Loops {
     pub kind_fields: Option<u64>,
     /// The intersection of a line with closed forms, except traversals with a step limit.
     pub line: u64,
+    /// The intersection of a line with all meshes.
+    pub meshes: u64,
     /// One step of a traversal that has a step limit.
     pub copy_step: u64,
     /// The projection onto a surface: the gradient and the normal of one field.
@@ -83,6 +92,7 @@ pub(super) struct StructureTurns {
     all_fields: Option<FieldTurns>,
     other_fields: Option<FieldTurns>,
     unrolled_hits: u64,
+    meshes: u64,
     /// The intersection of a line with one surface of each kind.
     kind_hits: Vec<u64>,
     /// One step of a march to a surface of each kind without a closed form.
@@ -116,6 +126,10 @@ impl StructureTurns {
             all_fields: FieldTurns::of(text, Marched::All),
             other_fields: FieldTurns::of(text, Marched::Others),
             unrolled_hits: closed.map(hit).sum(),
+            meshes: {
+                let meshes = text.unrolled.iter().filter(|named| named.is_mesh());
+                meshes.map(hit).sum()
+            },
             kind_hits: text.instanced.iter().map(hit).collect(),
             kind_steps: text.instanced.iter().map(step_alone).collect(),
             copy_step: text.all().map(step).max().unwrap_or(0),
@@ -160,6 +174,7 @@ impl StructureTurns {
             all_fields: self.all_fields.as_ref().map(fields),
             other_fields: self.other_fields.as_ref().map(fields),
             line: self.unrolled_hits + kind_hits.sum::<u64>(),
+            meshes: self.meshes,
             copy_step: self.copy_step,
             projection: self.projection,
             unrolled: self.unrolled,
@@ -208,6 +223,9 @@ fn of_value(field: &Shape) -> u64 {
 
 /// Turns of the projection onto a field, which evaluates its gradient and its normal.
 fn of_projection(field: &Shape) -> u64 {
+    if field.mesh().is_some() {
+        return 0;
+    }
     of_copies(
         field,
         &|user| match user.states_gradient() || user.is_differentiated() {
@@ -241,6 +259,8 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
             along.rev().fold(below, nested)
         }
         Node::User(User { field }) => of_user(field),
+        // The nearest triangle is looked for in the lists of eight cells.
+        Node::Mesh(of) => CELLS_OF_DISTANCE * (1 + of.mesh.cells().longest_list as u64),
         _ => below,
     }
 }
@@ -251,6 +271,7 @@ fn of_hit(field: &Shape) -> u64 {
     match &field.node {
         // The last turn of a traversal with a step limit takes no step.
         Node::Repeat(_) => cells_crossed(field).map_or(1, |cells| cells * (1 + below)),
+        Node::Mesh(of) => of.mesh.cells().turns_on_line().min(MOST_MESH_TURNS),
         _ => below,
     }
 }
@@ -327,7 +348,7 @@ fn thesis(asked: &LoopsAsked, loops: &Loops) -> Budget {
 }
 
 fn march(loops: &Loops, asked: u32) -> Budget {
-    let rest = 1 + loops.projection;
+    let rest = 1 + loops.projection + loops.meshes;
     let left = MOST_TURNS.saturating_sub(rest);
     // With fields, the basic shapes may use half of the turns, and the fields use the rest.
     let share = if loops.all_fields.is_some() { 2 } else { 1 };

@@ -167,6 +167,11 @@ pub enum TraceError {
         /// The name of the profile.
         profile: String,
     },
+    /// A scene with a mesh in the profile `thesis`.
+    #[error(
+        "meshes cannot be traced by the profile thesis, which stops at its minimum distance from a surface: use hybrid or march"
+    )]
+    NoMeshes,
     /// A call to advance a frame, although no frame was begun, or the frame was already collected or dropped.
     #[error("there is no frame to advance: begin one first")]
     NoFrameBegun,

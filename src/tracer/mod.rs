@@ -442,6 +442,7 @@ impl Tracer {
     fn check_input(&self, scene: &Scene, settings: &Settings) -> Result<Structure, Error> {
         scene.validate()?;
         settings.validate()?;
+        check_profile(scene, settings)?;
         check_waves(&self.context, Grid::new(settings.waves))?;
         let structure = structure(scene, settings);
         check_uniforms(&self.context, scene, &structure, OWN_UNIFORM_VECTORS)?;
@@ -495,6 +496,15 @@ fn starts(scene: &Scene, settings: &Settings) -> Option<Starts> {
     match start_order(scene, settings) {
         StartOrderText::ByNumber => None,
         StartOrderText::Sorted => Some(Starts::new(directions, seed, waves, 0..waves)),
+    }
+}
+
+/// Rejects a mesh in the profile `thesis`, whose minimum distance would round all edges.
+fn check_profile(scene: &Scene, settings: &Settings) -> Result<(), TraceError> {
+    let mut shapes = scene.surfaces.iter().map(|surface| &surface.shape);
+    match settings.profile() == Profile::Thesis && shapes.any(|shape| shape.mesh().is_some()) {
+        true => Err(TraceError::NoMeshes),
+        false => Ok(()),
     }
 }
 

@@ -7,6 +7,7 @@ mod cells;
 mod endless_repeats;
 mod implicit_scenes;
 mod marched_fields;
+mod meshes;
 mod points_on_surfaces;
 mod properties;
 mod scene_format;

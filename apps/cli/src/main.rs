@@ -11,6 +11,7 @@ mod demo;
 mod exit;
 mod field_trial;
 mod figures;
+mod import;
 mod impulse;
 mod info;
 #[cfg(unix)]
@@ -69,6 +70,7 @@ Examples:
   echomarch verify                           the hard cases, pass or fail
   echomarch study map.ron -o out             a sweep or a map of many points, here or on a cluster
   echomarch localise form -o form            where is the source? a form for people
+  echomarch import level.glb -o level.ron    a scene of a triangle mesh
   echomarch info                             the renderers there are
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery, parabolic-mirrors,
@@ -114,6 +116,8 @@ enum Command {
     Localise(localise::Arguments),
     /// Compute sweeps and maps of many points; shards can be interrupted, resumed and merged
     Study(study::Arguments),
+    /// Check a triangle mesh (OBJ, glTF), and write a scene that uses it
+    Import(import::Arguments),
     /// Try users' fields for another process of this program
     #[command(hide = true)]
     FieldTrial,
@@ -154,6 +158,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::run(arguments, &cli.common),
         Command::Localise(arguments) => localise::run(arguments, &cli.common),
         Command::Study(arguments) => study::run(arguments, &cli.common),
+        Command::Import(arguments) => import::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
         Command::FieldTrial => Ok(()),
     };

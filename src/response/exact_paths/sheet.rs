@@ -68,7 +68,7 @@ pub(super) struct Sheet<'a> {
     pub sign: f64,
     /// Identifies the sheet of a surface.
     pub id: u64,
-    /// The wall of a room: −x, +x, −y, +y, −z, +z as 0 to 5.
+    /// The wall of a room: −x, +x, −y, +y, −z, +z as 0 to 5; or the group of a mesh.
     pub wall: Option<u8>,
 }
 

@@ -52,11 +52,17 @@ impl Surfaces {
         };
         let reaches = scene.surfaces.iter().map(reach);
         let far = ends.map(|end| end.as_dvec3().abs().max_element());
+        // Corners of a mesh lie in the plane of their facet up to rounding in `f32`.
+        let meshes = scene
+            .surfaces
+            .iter()
+            .filter_map(|surface| surface.shape.mesh());
+        let flatness = meshes.map(|mesh| mesh.flatness()).fold(0.0, f64::max);
         let have_planes_alone = |(shape, _): &(Shape, Frame)| shape.has_planes_alone();
         Surfaces {
             have_planes_alone: surfaces.iter().map(have_planes_alone).collect(),
             surfaces,
-            touch: TOUCH_IN_ROUNDINGS * rounding,
+            touch: (TOUCH_IN_ROUNDINGS * rounding).max(2.0 * flatness),
             largest: reaches.chain(far).fold(0.0, f64::max),
         }
     }

@@ -178,6 +178,12 @@ fn add_leaf(search: &mut Search, node: &Node, way: Way) {
     let p = way.frame.place(search.point);
     let is_itself = way.level == 0.0;
     match node {
+        Node::Mesh(of) => {
+            for (number, facet) in of.mesh.facets_near(p, search.touch) {
+                let way = way.branch(number.into());
+                search.flat(facet.normal, facet.offset, way, Some(facet.group));
+            }
+        }
         Node::Plane(_) => search.flat(DVec3::Y, way.level, way, None),
         Node::HalfSpace(HalfSpace { normal, offset }) => {
             let normal = normal.as_dvec3().normalize();

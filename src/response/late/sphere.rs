@@ -20,7 +20,6 @@
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::response::{CommonErrors, Echogram};
-use crate::scene::shape::Room;
 use crate::scene::{Listener, Node, Pair, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as accurate as with 0.3 m. The bias of the
@@ -236,7 +235,7 @@ fn nearest_image_m2(pair: Pair) -> f64 {
 
 /// Whether the material of a surface (counted from 0), or of one of its walls, scatters.
 fn scatters(scene: &Scene, surface: usize) -> bool {
-    let walls = std::iter::once(None).chain((0..Room::WALL_COUNT).map(Some));
+    let walls = std::iter::once(None).chain((0..scene.surfaces[surface].part_count()).map(Some));
     let mut materials = walls.filter_map(|wall| scene.material(surface, wall));
     materials.any(|material| material.scatters(0..BAND_COUNT))
 }

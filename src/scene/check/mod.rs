@@ -6,11 +6,11 @@ mod tests;
 use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::directivity::OMNI_SHARES;
 use super::shape::LARGEST;
-use super::shape::Room;
 use super::{
     Directivity, Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source,
     Surface, Transmission, Warning,
 };
+use crate::text::nearest_or_all;
 use glam::Vec3;
 use std::collections::HashSet;
 use std::fmt;
@@ -365,12 +365,30 @@ impl Scene {
             self.find_material(name)
                 .map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        if surface.has_walls() || surface.walls.iter().all(Option::is_none) {
-            return Ok(());
+        if !surface.has_walls() && surface.walls.iter().any(Option::is_some) {
+            return Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()));
         }
-        Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()))
+        match no_such_group(surface) {
+            Some(why) => Err(self.bad_field(&surface.label(index), why)),
+            None => Ok(()),
+        }
     }
 }
+
+/// The error message for materials of faces that the surface lacks, if there are any.
+pub(super) fn no_such_group(surface: &Surface) -> Option<String> {
+    let groups = surface.shape.mesh().map_or(&[][..], |mesh| mesh.groups());
+    let unknown = surface.faces.keys().find(|name| !groups.contains(name))?;
+    if groups.is_empty() {
+        return Some(NOT_A_MESH.to_owned());
+    }
+    let all: Vec<&str> = groups.iter().map(String::as_str).collect();
+    let refused = format!("the mesh has no faces of the material {unknown:?}");
+    Some(nearest_or_all(&refused, unknown, &all))
+}
+
+/// The error message for materials of faces of a shape that is not a mesh.
+const NOT_A_MESH: &str = "only the faces of a Mesh have materials by names";
 
 /// The error message for wall materials of a shape that is not a room.
 pub(super) const NOT_A_ROOM: &str = "only the walls of a Room have materials of their own";
@@ -409,6 +427,24 @@ impl Scene {
         warnings.extend(self.rooms_that_fill_each_other());
         warnings.extend(self.without_material());
         warnings.extend(self.one_sided_fields());
+        warnings.extend(self.odd_meshes());
+        warnings
+    }
+
+    /// Warns about defects of meshes.
+    fn odd_meshes(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let Some(mesh) = surface.shape.mesh() else {
+                continue;
+            };
+            let surface = surface.label(index);
+            let of = |why| Warning::OddMesh {
+                surface: surface.clone(),
+                why,
+            };
+            warnings.extend(mesh.report().warnings().into_iter().map(of));
+        }
         warnings
     }
 
@@ -428,20 +464,14 @@ impl Scene {
         let mut surfaces = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
             let lacks = |wall: Option<usize>| self.material(index, wall).is_none();
-            let walls: Vec<usize> = match surface.has_walls() {
-                true => (0..Room::WALL_COUNT)
-                    .filter(|wall| lacks(Some(*wall)))
-                    .collect(),
-                false => Vec::new(),
-            };
-            let is_whole = !surface.has_walls() && lacks(None) || walls.len() == Room::WALL_COUNT;
+            let parts = surface.part_count();
+            let walls: Vec<usize> = (0..parts).filter(|wall| lacks(Some(*wall))).collect();
+            let is_whole = parts == 0 && lacks(None) || parts > 0 && walls.len() == parts;
             match is_whole {
                 true => surfaces.push(surface.label(index)),
-                false => surfaces.extend(
-                    walls
-                        .iter()
-                        .map(|wall| format!("{}/{}", index + 1, Room::WALL_NAMES[*wall])),
-                ),
+                false => surfaces.extend(walls.iter().filter_map(|wall| {
+                    Some(format!("{}/{}", index + 1, surface.part_name(*wall)?))
+                })),
             }
         }
         (!surfaces.is_empty()).then_some(Warning::NoMaterial { surfaces })

@@ -330,10 +330,10 @@ impl BasedScene {
         let path = Path::new(origin);
         let text = text_of(path)?;
         let Some(said) = BasedScene::read(&text) else {
-            return Ok(on(relative(folder, path)?));
+            return Ok(on(path_from(folder, path)?));
         };
         let base = match base_beside(path, &said.base) {
-            Some(file) => relative(folder, &file)?,
+            Some(file) => path_from(folder, &file)?,
             None => said.base,
         };
         Ok(BasedScene {
@@ -389,7 +389,7 @@ impl BasedScene {
         }
         match (&first.directivity, said.directivity) {
             (Directivity::Balloon(balloon), Some(_)) => {
-                let file = quoted(&relative(&self.folder, Path::new(balloon.name()))?);
+                let file = quoted(&path_from(&self.folder, Path::new(balloon.name()))?);
                 let _ = write!(kept, "directivity: Balloon(file: {file}), ");
             }
             (_, directivity) => kept += &again([("directivity", directivity)]),
@@ -405,7 +405,7 @@ impl BasedScene {
         let mut scene = scene.clone();
         for source in &mut scene.sources {
             if let Directivity::Balloon(balloon) = &mut source.directivity {
-                let name = relative(&self.folder, Path::new(balloon.name()))?;
+                let name = path_from(&self.folder, Path::new(balloon.name()))?;
                 *balloon = Arc::new(balloon.with_name(name));
             }
         }
@@ -503,7 +503,10 @@ fn quoted(text: &str) -> String {
 }
 
 /// The relative path from a folder to a file, in the notation of a scene file in that folder.
-fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
+///
+/// # Errors
+/// [`SceneError::NoBase`] for a path that cannot be written in a scene file.
+pub fn path_from(folder: &Path, file: &Path) -> Result<String, SceneError> {
     let refused = || SceneError::NoBase {
         folder: folder.to_owned(),
         base: file.to_owned(),

@@ -31,7 +31,7 @@ use surfaces::{AirFile, MaterialFile, Materials, SurfaceFile};
 use text::{Modern, Place, Refused};
 
 #[doc(hidden)]
-pub use base_scene::{BasedScene, bases_of};
+pub use base_scene::{BasedScene, bases_of, path_from};
 
 /// Maximum size of a scene file in bytes. 100,000 key frames take 2 MB. A text of this size needs at most a gigabyte of
 /// memory when parsed (the shortest shape has six bytes).

@@ -220,6 +220,11 @@ fn surface(of: &Surface) -> Written {
         let named = walls.filter_map(|(wall, name)| Some((wall, Written::Text(name.clone()?))));
         fields.push(("walls", Written::Struct("Walls", named.collect())));
     }
+    if !of.faces.is_empty() {
+        let faces = of.faces.iter();
+        let named = faces.map(|(group, name)| (group.clone(), Written::Text(name.clone())));
+        fields.push(("faces", Written::Map(named.collect())));
+    }
     Written::Struct("Surface", fields)
 }
 
@@ -368,8 +373,8 @@ mod tests {
                 (&written.name, written.position)
             );
             assert_eq!(
-                (&read.material, &read.walls),
-                (&written.material, &written.walls)
+                (&read.material, &read.walls, &read.faces),
+                (&written.material, &written.walls, &written.faces)
             );
             assert_eq!(read.drivers.len(), written.drivers.len());
             for driver in &written.drivers {

@@ -29,6 +29,9 @@ pub(super) struct SurfaceFile {
     turns: bool,
     material: Option<Name>,
     walls: Option<Walls<Name>>,
+    /// For a mesh: materials by the names of its groups of faces.
+    #[serde(default)]
+    faces: BTreeMap<String, Name>,
 }
 
 impl SurfaceFile {
@@ -52,6 +55,10 @@ impl SurfaceFile {
             drivers: reader.into_drivers(),
             material: self.material.map(|name| name.0),
             walls: self.walls.map(Walls::names).unwrap_or_default(),
+            faces: {
+                let faces = self.faces.into_iter();
+                faces.map(|(group, name)| (group, name.0)).collect()
+            },
         })
     }
 }

@@ -9,6 +9,7 @@ pub(crate) use numbers::{
     Plain, Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
 
+use super::mesh::{Inside, MeshOptions, TriangleMesh};
 use super::{Balloon, FIELDS, HeightImage, SceneError, UserField};
 use crate::file_input::read_text;
 use crate::text::in_a_line;
@@ -175,6 +176,8 @@ pub(crate) enum Written {
     Count(u32),
     Flag(bool),
     Text(String),
+    /// The part that a mesh encloses.
+    Inside(Inside),
     /// In parentheses.
     Tuple(Vec<Written>),
     /// In brackets.
@@ -212,6 +215,7 @@ impl Serialize for Written {
             Written::Real(value) => to.serialize_f64(*value),
             Written::Count(value) => to.serialize_u32(*value),
             Written::Flag(value) => to.serialize_bool(*value),
+            Written::Inside(value) => value.serialize(to),
             Written::Text(value) => to.serialize_str(value),
             Written::Tuple(items) => {
                 let mut tuple = to.serialize_tuple(items.len())?;
@@ -266,6 +270,7 @@ pub(crate) struct Attached {
     origin: String,
     place: Place,
     images: RefCell<Vec<(String, Arc<HeightImage>)>>,
+    meshes: RefCell<Vec<(String, Arc<TriangleMesh>)>>,
     fields: RefCell<Vec<Arc<UserField>>>,
     balloons: RefCell<Vec<(String, Arc<Balloon>)>>,
 }
@@ -293,6 +298,7 @@ impl Attached {
             origin: origin.to_owned(),
             place,
             images: RefCell::default(),
+            meshes: RefCell::default(),
             fields: RefCell::default(),
             balloons: RefCell::default(),
         }
@@ -324,6 +330,24 @@ impl Attached {
         let read = (name.to_owned(), image.clone());
         self.images.borrow_mut().push(read);
         Ok(image)
+    }
+
+    /// Reads the mesh with this file name.
+    pub fn mesh(&self, name: &str, options: MeshOptions) -> Result<Arc<TriangleMesh>, SceneError> {
+        let is_same = |(known, mesh): &&(String, Arc<TriangleMesh>)| {
+            known == name && mesh.options() == options
+        };
+        if let Some((_, mesh)) = self.meshes.borrow().iter().find(is_same) {
+            return Ok(mesh.clone());
+        }
+        let path = self.path(name);
+        let mesh = TriangleMesh::from_file(&path, options)
+            .map_err(|error| self.refused(format!("the mesh {}: {error}", path.display())))?;
+        let mesh = Arc::new(mesh);
+        self.meshes
+            .borrow_mut()
+            .push((name.to_owned(), mesh.clone()));
+        Ok(mesh)
     }
 
     /// Reads the GLSL field with this file name.

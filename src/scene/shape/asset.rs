@@ -9,6 +9,7 @@ use super::user_glsl;
 use super::user_glsl::derivative::{self, Along};
 use crate::file_input::read;
 use crate::scene::SceneError;
+use crate::scene::mesh::TriangleMesh;
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use png::{BitDepth, ColorType, DecodingError};
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,8 @@ pub(crate) enum Asset<'a> {
     Image(&'a Arc<HeightImage>),
     /// A user's field.
     User(&'a Arc<UserField>),
+    /// The faces of a mesh.
+    Mesh(&'a Arc<TriangleMesh>),
 }
 
 /// Maximum number of pixels along a side. The heights of an image of this size take 16 MB on the GPU.

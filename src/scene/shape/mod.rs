@@ -22,6 +22,7 @@ mod half_space;
 mod height_field;
 mod hyperboloid;
 mod list;
+mod mesh;
 #[cfg(test)]
 mod octahedron;
 mod operator;
@@ -58,6 +59,7 @@ pub use height_field::HeightField;
 pub use hyperboloid::Hyperboloid;
 #[doc(hidden)]
 pub use list::Node;
+pub use mesh::Mesh;
 #[cfg(test)]
 pub use octahedron::Octahedron;
 pub(crate) use operator::Copies;
@@ -80,6 +82,7 @@ pub use sphere::Sphere;
 pub use torus::Torus;
 pub use user::User;
 
+use super::mesh::TriangleMesh;
 use glam::DVec3;
 use part::in_range;
 use std::sync::Arc;
@@ -220,6 +223,14 @@ impl Shape {
         (!self.is_basic()).then_some(self)
     }
 
+    /// The mesh, if the shape is one.
+    pub(crate) fn mesh(&self) -> Option<&Arc<TriangleMesh>> {
+        match &self.node {
+            Node::Mesh(of) => Some(&of.mesh),
+            _ => None,
+        }
+    }
+
     /// Properties of the tree.
     #[doc(hidden)]
     pub fn properties(&self) -> Properties {
@@ -282,6 +293,7 @@ impl Shape {
             (Node::HeightField(one), Node::HeightField(other)) => {
                 one.size == other.size && one.image.has_heights_of(&other.image)
             }
+            (Node::Mesh(one), Node::Mesh(other)) => one.mesh.has_faces_of(&other.mesh),
             (one, other) => one == other,
         };
         let mut children = self.children.iter().zip(&other.children);
@@ -357,6 +369,9 @@ impl Shape {
             return Err(format!(
                 "a field of {count} nodes is too large: at most {MOST_NODES}"
             ));
+        }
+        if nodes.len() > 1 && nodes.iter().any(|tree| matches!(tree.node, Node::Mesh(_))) {
+            return Err("a Mesh is a whole surface, and no operand of an operator".to_owned());
         }
         for tree in &nodes {
             let named = |why| format!("{}: {why}", tree.node.name());

@@ -7,7 +7,7 @@ use crate::scene::shape::Ellipsoid;
 use crate::scene::shape::tests::table::{Entry, entries, scene_of, surfaces, to_local, to_world};
 use crate::scene::shape::tests::trees;
 use crate::scene::{Exactness, Motion, Node};
-use crate::shader::scene_data::heights;
+use crate::shader::scene_data::assets as asset_data;
 use crate::shader::text::{ListenerText, Part, closed_form_parts, directed_parts, link};
 use crate::shader::turn_budget::MAX_COPY_STEPS;
 use crate::shader::{self, Lists, Structure};
@@ -50,7 +50,7 @@ void main() {
             .unwrap_or_else(|error| panic!("{error}\n{:#?}", scene.surfaces));
         let mut data = DataList::new(context, shader::DATA_WIDTH).unwrap();
         let assets = Structure::of(scene, Lists::Lines).assets;
-        data.set(&heights(&assets)).unwrap();
+        data.set(&asset_data(&assets)).unwrap();
         let values = world_values(scene, Lists::Lines);
         program.set_vec4_array("uSurfaces", &values);
         let listener = scene.listeners[0]

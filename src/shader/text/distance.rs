@@ -1,7 +1,7 @@
 //! The distance functions of a scene: the distance to all objects, for the march of `thesis` and for pictures; and the
 //! distance to the objects that can be hit ahead, with its gradient, for the march of `march`.
 
-use super::field::{gradient_text, normal_text, value_text};
+use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::fields_ahead;
 use super::link::Part;
 use super::reflect::reflect_text;
@@ -89,7 +89,11 @@ pub fn directed_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     text.add_fields(&mut parts, |_| true, value_text);
     text.add_fields(&mut parts, |_| true, gradient_text);
     text.add_fields(&mut parts, |_| true, normal_text);
-    let functions = of_kinds(text) + &directed_distance(text, listener) + &directed_gradient(text);
+    text.add_fields(&mut parts, |named| named.is_mesh(), hit_text);
+    let functions = of_kinds(text)
+        + &directed_distance(text, listener)
+        + &directed_gradient(text)
+        + &closest_mesh(text);
     text.add(&mut parts, "the scene", functions + &reflect_text(text));
     parts.extend(fields_ahead(text, Marched::All));
     parts
@@ -166,6 +170,30 @@ fn directed_gradient(text: &Text) -> String {
         );
     }
     out + "    errorBound = roundErrorBound(listener);\n    return normalize(p - listener.xyz);\n}\n\n"
+}
+
+/// `closestMesh(p, d, limit, object)`; empty without meshes.
+fn closest_mesh(text: &Text) -> String {
+    if !text.has_meshes() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "// The distance from p along d to the nearest face of a mesh before limit, and the number of the mesh;\n\
+         // at least limit without such a face.\n\
+         float closestMesh(vec3 p, vec3 d, float limit, out float object) {\n    \
+         float nearest = limit;\n    object = -1.0;\n    float candidate;\n",
+    );
+    for named in text.unrolled.iter().filter(|named| named.is_mesh()) {
+        let hit = named.hit("p", "d", "nearest");
+        let _ = writeln!(
+            out,
+            "    // {}\n    candidate = {hit};\n    \
+             object = candidate < nearest ? {}.0 : object;\n    \
+             nearest = min(candidate, nearest);",
+            named.label, named.tag
+        );
+    }
+    out + "    return nearest;\n}\n\n"
 }
 
 fn gradient_statement(named: &Named) -> String {

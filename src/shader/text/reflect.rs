@@ -222,6 +222,12 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     } else if named.field().is_none() {
         let (shape, size) = (named.shape(), named.size());
         statements.push(format!("project{shape}(q{size}, normal);"));
+    } else if named.is_mesh() {
+        let from = named.point("from");
+        let error_bound = named.error_bound();
+        statements.push(format!(
+            "projectMesh({from}, {vector}, {error_bound}, q, normal);"
+        ));
     } else {
         statements.extend(onto_field(named, p, &vector));
     }

@@ -62,6 +62,11 @@ impl<'a> Text<'a> {
         unrolled || self.marches_kinds(marched)
     }
 
+    /// Whether a surface is a mesh. Meshes are never in cells.
+    pub fn has_meshes(&self) -> bool {
+        self.unrolled.iter().any(Named::is_mesh)
+    }
+
     /// Whether fields in cells are marched together with all other fields.
     pub fn marches_kinds(&self, marched: Marched) -> bool {
         marched == Marched::All && self.instanced.iter().any(|named| marched.takes(named))

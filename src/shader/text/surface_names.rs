@@ -33,7 +33,8 @@ pub fn is_marched(surface: &Surface) -> bool {
 
 impl Marched {
     pub fn takes(self, named: &Named) -> bool {
-        named.field().is_some() && (self == Marched::All || !named.has_closed_form())
+        let is_candidate = named.field().is_some() && !named.is_mesh();
+        is_candidate && (self == Marched::All || !named.has_closed_form())
     }
 }
 
@@ -121,6 +122,11 @@ impl<'a> Named<'a> {
 
     pub fn field(&self) -> Option<&'a Shape> {
         self.surface.shape.field()
+    }
+
+    /// Whether the surface is a mesh, which no profile marches to, except by its distance.
+    pub fn is_mesh(&self) -> bool {
+        self.surface.shape.mesh().is_some()
     }
 
     /// Whether a line is intersected with the surface in closed form.

@@ -4,6 +4,9 @@
 // options
 #define MARCHES_FIELDS 0
 
+// option of meshes
+#define MEETS_MESHES 0
+
 // glsl/common/rounding.glsl
 // glsl/common/listener.glsl
 // glsl/shape/sphere.glsl

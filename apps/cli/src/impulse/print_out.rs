@@ -8,7 +8,6 @@ use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{HeardPath, PathKind, Response, ResponseSettings};
 use echomarch::scene::Scene;
-use echomarch::scene::shape::Room;
 use echomarch_lab::columns;
 use echomarch_lab::report::{Cell, Column, Row, Table};
 use serde::{Serialize, Serializer};
@@ -100,8 +99,8 @@ struct PathReport<'a> {
     reflections: &'a [usize],
     /// The surfaces that reflect, diffract or transmit the path, in order.
     surfaces: &'a [u32],
-    /// The reflecting walls of rooms: left, right, floor, ceiling, front, back.
-    walls: Vec<Option<&'static str>>,
+    /// The reflecting walls of rooms (left, right, floor, ceiling, front, back), and the groups of meshes.
+    walls: Vec<Option<&'a str>>,
     delay_s: f64,
     /// Strength *G* of the mean energy of all bands.
     g_db: Option<f64>,
@@ -176,17 +175,21 @@ fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
             azimuth_deg: path.azimuth.to_degrees(),
             elevation_deg: path.elevation.to_degrees(),
         }),
-        paths: response.paths.iter().map(of_path).collect(),
+        paths: response
+            .paths
+            .iter()
+            .map(|path| of_path(pair.pair.scene(), path))
+            .collect(),
     }
 }
 
-fn of_path(path: &HeardPath) -> PathReport<'_> {
+fn of_path<'a>(scene: &'a Scene, path: &'a HeardPath) -> PathReport<'a> {
     PathReport {
         kind: path.kind,
         order: path.reflections.len(),
         reflections: &path.reflections,
         surfaces: &path.path.surfaces,
-        walls: wall_names(path).collect(),
+        walls: wall_names(scene, path).collect(),
         delay_s: path.delay_s,
         g_db: mean_strength_db(path),
         g_db_bands: path
@@ -206,10 +209,13 @@ fn mean_strength_db(path: &HeardPath) -> Option<f64> {
     Figures::strength_db(bands::mean(&path.energy))
 }
 
-/// The names of the walls that reflect a path; `None` for a surface that is not a wall.
-fn wall_names(path: &HeardPath) -> impl Iterator<Item = Option<&'static str>> {
-    let walls = path.path.walls.iter();
-    walls.map(|wall| wall.map(|wall| Room::WALL_NAMES[usize::from(wall)]))
+/// The names of the walls, or of the groups of a mesh, that reflect a path; `None` for a surface without such parts.
+fn wall_names<'a>(scene: &'a Scene, path: &'a HeardPath) -> impl Iterator<Item = Option<&'a str>> {
+    let met = path.path.surfaces.iter().zip(&path.path.walls);
+    met.map(|(surface, wall)| {
+        let index = (*surface as usize).checked_sub(1)?;
+        scene.surfaces.get(index)?.part_name(usize::from((*wall)?))
+    })
 }
 
 /// One band of one pair: a row of the table.
@@ -325,7 +331,7 @@ fn diffracted(surfaces: &[String], reflections: &[usize]) -> String {
 
 /// The surfaces that reflect, diffract or transmit a path, by name or number, and the walls of rooms.
 fn surfaces(scene: &Scene, path: &HeardPath) -> Vec<String> {
-    let surfaces = path.path.surfaces.iter().zip(wall_names(path));
+    let surfaces = path.path.surfaces.iter().zip(wall_names(scene, path));
     let name = |(number, wall): (&u32, Option<&str>)| {
         let surface = scene.surfaces.get(*number as usize - 1);
         let name = surface.and_then(|surface| surface.name.clone());

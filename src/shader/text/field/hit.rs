@@ -34,7 +34,7 @@ fn has_hit_function(node: &Node) -> bool {
 
 /// Whether the function for the field's hit takes a limit of the distance.
 pub(in crate::shader) fn takes_limit(field: &Shape) -> bool {
-    let repeats = |node: &&Shape| matches!(node.node, Node::Repeat(_));
+    let repeats = |node: &&Shape| matches!(node.node, Node::Repeat(_) | Node::Mesh(_));
     field.nodes().iter().any(repeats)
 }
 
@@ -217,6 +217,10 @@ impl Writer<'_> {
         } = line;
         let name = node.name();
         let call = match node {
+            Node::Mesh(of) => {
+                let first = self.assets.mesh(&of.mesh).unwrap_or(0);
+                format!("hitMesh({p}, {d}, {error_bound}, {}, {first})", line.limit)
+            }
             Node::Ellipsoid(_)
             | Node::Paraboloid(_)
             | Node::Hyperboloid(_)

@@ -200,6 +200,9 @@ impl<'a> Writer<'a> {
             let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
             let _ = write!(call, ", {first}, ivec2({}, {})", size.x, size.y);
         }
+        if let Node::Mesh(of) = &field.node {
+            let _ = write!(call, ", {}", self.assets.mesh(&of.mesh).unwrap_or(0));
+        }
         call.push(')');
         self.result(kind, &call)
     }

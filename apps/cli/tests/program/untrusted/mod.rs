@@ -3,6 +3,7 @@
 
 mod fields;
 mod limits;
+mod meshes;
 mod names;
 mod overwriting;
 mod scenes;

@@ -1,0 +1,3 @@
+    if (entry.z > 0.0) {
+        return sceneData(int(entry.z + min(meshGroup, entry.w))).x;
+    }

@@ -1,0 +1,70 @@
+//! Intersections of a line with a triangle mesh, in the mesh's own axes and in `f64`.
+
+use super::closed_form::Intersection;
+use crate::scene::Bounds3;
+use crate::scene::mesh::TriangleMesh;
+use crate::scene::shape::Mesh;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Least distance of a hit from the edges of its triangle, as a share of the largest coordinate: some tens of units in
+/// the last place. A reflected wave then starts in front of the next wall, also in a corner.
+const INSET: f64 = 1e-14;
+
+/// A mesh with the data that its lines need.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedMesh {
+    mesh: Arc<TriangleMesh>,
+    /// Bounding box of the solid.
+    bounds: Bounds3,
+}
+
+impl PlacedMesh {
+    pub fn new(of: &Mesh) -> PlacedMesh {
+        let is_hollow = of.mesh.report().is_hollow;
+        let bounds = match is_hollow {
+            true => Bounds3::EVERYWHERE,
+            false => of.mesh.bounds(),
+        };
+        PlacedMesh {
+            mesh: Arc::clone(&of.mesh),
+            bounds,
+        }
+    }
+
+    pub fn extent(&self) -> f64 {
+        self.mesh.extent()
+    }
+
+    /// Bounding box of the solid, which is unbounded around a room.
+    pub fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    pub fn distance(&self, p: DVec3) -> f64 {
+        self.mesh.distance(p)
+    }
+
+    /// The first face met within `until` metres.
+    pub fn intersect(
+        &self,
+        o: DVec3,
+        d: DVec3,
+        error_bound: f64,
+        until: f64,
+    ) -> Option<Intersection> {
+        let (t, triangle) = self.mesh.first_hit(o, d, error_bound, until)?;
+        Some(Intersection {
+            t,
+            face: None,
+            triangle: Some(triangle),
+        })
+    }
+
+    /// The point of a hit on its triangle, and the unit normal there.
+    pub fn project(&self, triangle: u32, o: DVec3, d: DVec3) -> (DVec3, DVec3) {
+        let inset = INSET * self.mesh.extent();
+        let triangle = self.mesh.triangle(triangle);
+        (triangle.place(o, d, inset), triangle.exact_normal())
+    }
+}
