@@ -376,8 +376,23 @@ fn a_flutter_echo_is_told_with_its_walls() {
     };
     let bare = notes(room(""));
     assert!(
-        bare.contains("flutter echo between 1/left and 1/right; nothing scatters"),
+        bare.contains("flutter echo between 1/left and 1/right; nothing scatters: write scattering: 0.1 in the scene"),
         "{bare}"
+    );
+    let diffuse = notes(room("").replace("source:", "scattering: 0.6, source:"));
+    assert!(!diffuse.contains("flutter"), "{diffuse}");
+    let hollow = notes(
+        room("")
+            .replace(
+                "Room(size: (6, 3, 5))",
+                "Complement(of: Box(size: (20, 3, 5)))",
+            )
+            .replace("walls: (left: \"hard\", right: \"hard\")", "")
+            .replace("absorption: 0.5", "absorption: 0.03"),
+    );
+    assert!(
+        hollow.contains("nothing scatters: write scattering: 0.1 in the scene"),
+        "{hollow}"
     );
     let rough = notes(room(", scattering: 0.6"));
     assert!(!rough.contains("flutter"), "{rough}");
