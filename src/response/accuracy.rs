@@ -107,7 +107,10 @@ impl Accuracy {
             let must = "0.001 to 0.05 (0.1 % to 5 %)";
             return bad("accuracy of figures", must, self.share.to_string());
         }
-        if self.time_limit_s.is_some_and(|limit| limit.is_nan() || limit <= 0.0) {
+        if self
+            .time_limit_s
+            .is_some_and(|limit| limit.is_nan() || limit <= 0.0)
+        {
             let value = self.time_limit_s.unwrap_or_default().to_string();
             return bad("time limit in seconds", "above 0", value);
         }

@@ -1,13 +1,15 @@
 //! Diagnosis of figures: the reasons for missing figures, and flutter echoes that lengthen decays.
 //!
 //! A flutter echo between two parallel walls lasts longer than sound in a diffuse field. It is detected only in a scene
-//! that consists of one [`Room`], because the volume and the walls of other scenes are unknown.
+//! that consists of one [`Room`] or of the complement of one box, because the volume and the walls of other scenes are
+//! unknown.
 
 use crate::bands::BAND_COUNT;
 use crate::response::figures::FIGURE_COUNT;
 use crate::response::{BandFigures, Figures};
-use crate::scene::shape::Room;
-use crate::scene::{Material, Node, Scene};
+use crate::scene::shape::{Cuboid, Room};
+use crate::scene::{Material, Node, Scene, Shape};
+use glam::Vec3;
 use std::f64::consts::LN_10;
 
 /// The loss beyond the response's end is reported if it exceeds this share of the energy: a tenth of the limit for
@@ -150,7 +152,16 @@ pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter>
     found
 }
 
-/// A scene that consists of one room.
+/// The full size in metres of a box, which may be moved and rotated; `None` for other shapes.
+fn box_size(shape: &Shape) -> Option<Vec3> {
+    match &shape.node {
+        Node::Cuboid(Cuboid { size }) => Some(*size),
+        Node::Translate(_) | Node::Rotate(_) => box_size(shape.children.first()?),
+        _ => None,
+    }
+}
+
+/// A scene that consists of one room: a `Room`, or the complement of a box.
 struct EmptyRoom<'a> {
     scene: &'a Scene,
     /// Full size in metres.
@@ -162,13 +173,13 @@ impl EmptyRoom<'_> {
         let [surface] = &scene.surfaces[..] else {
             return None;
         };
-        match surface.shape.node {
-            Node::Room(Room { size }) => Some(EmptyRoom {
-                scene,
-                size: size.as_dvec3().to_array(),
-            }),
-            _ => None,
-        }
+        let size = match &surface.shape.node {
+            Node::Room(Room { size }) => *size,
+            Node::Complement(_) => box_size(surface.shape.children.first()?)?,
+            _ => return None,
+        };
+        let size = size.as_dvec3().to_array();
+        Some(EmptyRoom { scene, size })
     }
 
     fn volume(&self) -> f64 {
@@ -182,7 +193,9 @@ impl EmptyRoom<'_> {
 
     /// A property of a wall's material in a band; 0 without a material.
     fn of_wall(&self, wall: usize, property: impl Fn(&Material) -> f64) -> f64 {
-        self.scene.material(0, Some(wall)).map_or(0.0, property)
+        self.scene
+            .material(0, Some(wall))
+            .map_or(0.0, |material| property(&material))
     }
 
     /// T = 24 ln 10 V / (c (4 m V − S ln(1 − ᾱ))) (Eyring 1930; Kuttruff, *Room Acoustics*,
@@ -226,7 +239,6 @@ impl EmptyRoom<'_> {
 mod tests {
     use super::*;
     use crate::scene::{Listener, Source, Surface};
-    use glam::Vec3;
 
     /// Protects the reasons: each follows from the missing figures, and complete figures have none.
     #[test]
@@ -319,6 +331,21 @@ mod tests {
         let found = flutters(&room(0.1), [Some(1.6 * eyring); BAND_COUNT]);
         assert!(!found[0].nothing_scatters);
         assert!(flutters(&room(0.9), [Some(1.6 * eyring); BAND_COUNT]).is_empty());
+        let hollow = room(0.0).surfaces.pop().map(|mut surface| {
+            let air = Cuboid {
+                size: Vec3::new(6.0, 3.0, 5.0),
+            };
+            surface.shape = Shape::from(air).translate(Vec3::X).complement();
+            surface.walls = Default::default();
+            surface.with_material("hard")
+        });
+        let hollow = Scene {
+            surfaces: hollow.into_iter().collect(),
+            ..scene.clone()
+        };
+        let eyring = EmptyRoom::of(&hollow).unwrap().eyring_s(0);
+        let found = flutters(&hollow, [Some(1.6 * eyring); BAND_COUNT]);
+        assert_eq!(found[0].bands[0].eyring_s, eyring);
         let mut furnished = scene.clone();
         furnished.surfaces.push(furnished.surfaces[0].clone());
         assert!(flutters(&furnished, [Some(9.0); BAND_COUNT]).is_empty());

@@ -107,7 +107,7 @@ fn along(
             continue;
         };
         for (band, all) in all.iter_mut().enumerate() {
-            *all *= left(material, band);
+            *all *= left(&material, band);
         }
     }
     all

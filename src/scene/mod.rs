@@ -48,7 +48,7 @@ pub use sources_and_listeners::{Listener, Source};
 pub use surface::{Nearest, Surface};
 pub use transmission::Transmission;
 
-use crate::bands::Bands;
+use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::shape::{Asset, Room};
 use std::collections::BTreeMap;
 use std::path::{self, PathBuf};
@@ -90,6 +90,10 @@ pub struct Scene {
     pub surfaces: Vec<Surface>,
     /// The scene's own materials by name. The [built-in materials](Material::BUILTIN) need no entry here.
     pub materials: BTreeMap<String, Material>,
+    /// Scattering coefficient (0 to 1) of the [built-in materials](Material::BUILTIN), by octave band; 0 by default.
+    /// In a scene file also the materials of the scene that state no scattering have this coefficient. Surfaces without
+    /// a material do not scatter.
+    pub scattering: Bands,
     /// The air. Without air (`None`) the speed of sound is 343 m/s and there is no attenuation.
     pub air: Option<Air>,
     /// The sources; a scene file has at least one. Functions that need exactly one source take a [`Pair`].
@@ -110,6 +114,7 @@ impl Scene {
             name: name.into(),
             surfaces,
             materials: BTreeMap::new(),
+            scattering: [0.0; BAND_COUNT],
             air: None,
             sources: vec![source],
             listeners: vec![listener],

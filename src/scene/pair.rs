@@ -68,6 +68,7 @@ impl PartialEq for Pair<'_> {
             && self.listener == other.listener
             && a.air == b.air
             && a.materials == b.materials
+            && a.scattering == b.scattering
             && a.surfaces == b.surfaces
     }
 }

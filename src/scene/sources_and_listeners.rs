@@ -289,7 +289,7 @@ impl Scene {
     /// The material of a surface (counted from 0), or of one of its walls in the order of
     /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES), or of one of the groups of a mesh. A wall without its own material has the material of the
     /// surface. `None` if neither has a material: all energy is reflected.
-    pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<&Material> {
+    pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<Material> {
         let surface = self.surfaces.get(surface)?;
         // A group of faces has the material of its own name, if no other is stated.
         let group = wall.and_then(|group| surface.group_name(group));
@@ -298,14 +298,23 @@ impl Scene {
         own.or_else(|| self.material_named(surface.material_name(wall)?))
     }
 
-    /// The material of this name: the scene's own material, otherwise the built-in material.
-    pub fn material_named(&self, name: &str) -> Option<&Material> {
-        let own = self.materials.get(name);
-        own.or_else(|| Material::builtin(name))
+    /// The material of this name: the scene's own material, otherwise the built-in material with the scattering of the
+    /// scene.
+    ///
+    /// ```
+    /// let mut corner = echomarch::Scene::builtin("corner")?;
+    /// corner.scattering = [0.1; 8];
+    /// let brick = corner.material_named("brick");
+    /// assert!(brick.is_some_and(|brick| brick.scattering == [0.1; 8]));
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    pub fn material_named(&self, name: &str) -> Option<Material> {
+        let own = self.materials.get(name).copied();
+        own.or_else(|| Some(Material::builtin(name)?.scattering_by(self.scattering)))
     }
 
     /// The material of this name, or an error message that suggests similar names.
-    pub(super) fn find_material(&self, name: &str) -> Result<&Material, String> {
+    pub(super) fn find_material(&self, name: &str) -> Result<Material, String> {
         self.material_named(name).ok_or_else(|| {
             let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
             let built_in = Material::BUILTIN.iter().map(|known| known.name);
@@ -334,7 +343,7 @@ impl Scene {
     }
 
     /// The materials of all surfaces and walls, with repetitions.
-    fn used_materials(&self) -> impl Iterator<Item = &Material> {
+    fn used_materials(&self) -> impl Iterator<Item = Material> {
         let names = self.surfaces.iter().flat_map(|s| s.material_names());
         let named = names.filter_map(|name| self.material_named(name));
         let surfaces = self.surfaces.iter().enumerate();
@@ -496,7 +505,7 @@ mod tests {
     #[test]
     fn a_wall_comes_before_its_surface_and_a_scene_before_the_list() {
         let mut scene = hall();
-        let known = |name| Material::builtin(name);
+        let known = |name| Material::builtin(name).copied();
         assert_eq!(scene.material(0, None), known("brick"));
         assert_eq!(scene.material(0, Some(2)), known("carpet"));
         assert_eq!(scene.material(0, Some(3)), known("brick"));
@@ -504,7 +513,7 @@ mod tests {
         assert_eq!(scene.material(2, None), None);
         let own = Material::absorbing(0.9);
         scene.materials.insert("brick".into(), own);
-        assert_eq!(scene.material(0, Some(3)), Some(&own));
+        assert_eq!(scene.material(0, Some(3)), Some(own));
         assert!(scene.has_materials() && scene.has_bands());
         scene.surfaces.remove(0);
         assert!(!scene.has_materials() && !scene.has_bands());

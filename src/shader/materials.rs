@@ -89,7 +89,7 @@ impl Materials {
             return materials;
         }
         let of = |index, wall| {
-            let material = *scene.material(index, wall).unwrap_or(&Material::MIRROR);
+            let material = scene.material(index, wall).unwrap_or(Material::MIRROR);
             let transmits = transmits(index, &material);
             Distinct {
                 material,
@@ -306,7 +306,7 @@ const MOST_GROWTH: f64 = 2.0;
 
 /// Groups of bands, each traced by separate waves. All bands are in one group if they scatter alike.
 pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
-    let materials: Vec<&Material> = materials_met(scene).collect();
+    let materials: Vec<Material> = materials_met(scene).collect();
     let fit = |bands: &Range<usize>| materials.iter().all(|m| scatters_alike(m, bands));
     let mut groups = Vec::new();
     let mut first = 0;

@@ -1,6 +1,7 @@
 //! `echomarch impulse`: impulse responses and room acoustic figures.
 
 mod accuracy;
+mod file_names;
 mod files;
 mod flutter;
 mod missing;
@@ -18,10 +19,11 @@ use clap::{Args, ValueEnum};
 use echomarch::Error;
 use echomarch::audio::Sound;
 use echomarch::hrtf::HrirSet;
-use echomarch::internals::file_output::check_file;
+use echomarch::internals::file_output::{check_file, write_whole};
 use echomarch::response::{Format, ImpulseSettings, ResponseError};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
+use file_names::FileNames;
 use pairs::NamedPair;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,6 +36,7 @@ Examples:
   echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
   echomarch impulse hall.ron -o ir.wav --format binaural --sofa head.sofa
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
+  echomarch impulse hall.ron --csv figures.csv        all figures with their errors, by pair and band
   echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
 
 /// The minimum length of a response, in seconds. A response shorter than one time bin contains no information.
@@ -47,7 +50,7 @@ pub struct Arguments {
     scene: SceneAtTime,
     /// Write the impulse response as a WAV file of 32-bit floats. The first sample is the time of the source's impulse,
     /// and amplitude 1 is the direct sound at 1 m. Coincident echoes add by amplitude in this file, and by energy in
-    /// the figures
+    /// the figures. If there are several pairs, each has a file of its own: FILE-SOURCE-LISTENER.wav
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
     /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two ears, needs --sofa)
@@ -62,12 +65,16 @@ pub struct Arguments {
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
     /// Write the energy of all arrivals except the exact paths as CSV, by time (centre of a bin) and band:
-    /// time_s,band_hz,energy,x,y,z
+    /// time_s,band_hz,energy,x,y,z. Several pairs have one file each, as with --output
     #[arg(long, value_name = "FILE.csv")]
     echogram: Option<PathBuf>,
-    /// Write a plot of the energy and its decay against time
+    /// Write a plot of the energy and its decay against time. Several pairs have one file each, as with --output
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Write the figures and their standard errors as CSV, one row for each pair and band:
+    /// source,listener,band_hz,edt_s,edt_error_s and so on
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
     /// Use only this source, given by its name or number
     #[arg(long, value_name = "NAME")]
     source: Option<String>,
@@ -116,24 +123,27 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         arguments.source.as_deref(),
         arguments.listener.as_deref(),
     )?;
-    if arguments.files().next().is_some() && pairs.len() > 1 {
-        return Err(BadInput(pairs::too_many(&scene, pairs.len())).into());
-    }
-    arguments.files().try_for_each(|file| check_file(file))?;
+    let names = FileNames::of(&pairs);
+    arguments.check_files(&names)?;
     let format = arguments.format()?;
     let mut tracer = common.tracer()?;
     notes::tell_first(common, &scene);
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
     let mut heard: Vec<(NamedPair, Response)> = Vec::new();
-    for pair in pairs {
+    for (index, pair) in pairs.into_iter().enumerate() {
         let response = Response::trace_observed(&mut tracer, pair.pair, &settings, &mut |round| {
             bar.set_message(accuracy::of_round(&settings, &round));
         })?;
-        files::write(arguments, &format, &pair, &response)?;
+        files::write(arguments, &format, &pair, &response, |given| {
+            names.file(given, index)
+        })?;
         heard.push((pair, response));
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let Some(file) = &arguments.csv {
+        write_whole(file, |out| files::write_figures(&heard, out))?;
+    }
     common.warn_checked(&scene);
     notes::tell(common, &heard);
     if common.json {
@@ -183,6 +193,7 @@ impl Arguments {
         let endings = [
             (&self.output, "wav"),
             (&self.echogram, "csv"),
+            (&self.csv, "csv"),
             (&self.plot, "svg"),
         ];
         for (file, ending) in endings {
@@ -218,10 +229,15 @@ impl Arguments {
         Ok(())
     }
 
-    /// The output files.
-    fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.output, &self.echogram, &self.plot]
-            .into_iter()
-            .flatten()
+    /// Checks that all output files can be written.
+    fn check_files(&self, names: &FileNames) -> anyhow::Result<()> {
+        let of_pairs = [&self.output, &self.echogram, &self.plot];
+        for given in of_pairs.into_iter().flatten() {
+            names.all(given).try_for_each(|file| check_file(&file))?;
+        }
+        if let Some(file) = &self.csv {
+            check_file(file)?;
+        }
+        Ok(())
     }
 }

@@ -227,6 +227,13 @@ impl Scene {
         let listeners = self.listeners.iter().map(|listener| &listener.name);
         self.validate_names("listeners", listeners)?;
         self.validate_air()?;
+        if let Some(share) = self
+            .scattering
+            .iter()
+            .find(|share| !(0.0..=1.0).contains(*share))
+        {
+            return Err(self.bad_number("the scattering of the scene", "0 to 1", share));
+        }
         for (name, material) in &self.materials {
             self.validate_material(name, material)?;
         }

@@ -11,14 +11,16 @@
 //! A scene always has exactly the surfaces of its base, so that a chain of files needs memory for only one list of
 //! surfaces.
 
+use super::per_band::{OfBands, Scattering};
 use super::serialise::{degrees, listeners, sources};
 use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
 use super::surfaces::{AirFile, Materials};
 use super::text::{Place, RawFields, Refused, place_of};
-use super::{folder_of, malformed, options, text_of};
+use super::{folder_of, malformed, options, parse, text_of};
+use crate::bands::Bands;
 use crate::scene::check::twice;
 use crate::scene::notation::{Attached, FixedRadius, Name, Written};
-use crate::scene::{Directivity, Named, Scene, SceneError, named};
+use crate::scene::{Directivity, FIELDS, Named, Scene, SceneError, named};
 use glam::Vec3;
 use ron::ser::PrettyConfig;
 use ron::value::RawValue;
@@ -36,6 +38,8 @@ const MOST_BASES: usize = 8;
 pub(super) struct Chain {
     files: Vec<PathBuf>,
     bases: usize,
+    /// The scattering that the first file of the chain with this field states.
+    scattering: Option<Bands>,
 }
 
 impl Chain {
@@ -43,7 +47,7 @@ impl Chain {
     pub fn at(path: &Path) -> Chain {
         Chain {
             files: std::fs::canonicalize(path).into_iter().collect(),
-            bases: 0,
+            ..Chain::default()
         }
     }
 
@@ -61,7 +65,20 @@ impl Chain {
         Ok(Chain {
             files: files.collect(),
             bases: self.bases + 1,
+            scattering: self.scattering,
         })
+    }
+
+    pub fn scattering(&self) -> Option<Bands> {
+        self.scattering
+    }
+
+    /// Returns the chain below a file with this scattering.
+    fn below(&self, own: Option<&OfBands<Scattering>>) -> Chain {
+        Chain {
+            scattering: self.scattering.or(own.map(|own| own.0)),
+            ..self.clone()
+        }
     }
 }
 
@@ -75,6 +92,7 @@ pub(super) struct BasedFile<'a> {
     name: Name,
     #[serde(default)]
     materials: Materials,
+    scattering: Option<OfBands<Scattering>>,
     air: Option<AirFile>,
     source: Option<SourceFile>,
     sources: Option<Several<SourceFile>>,
@@ -120,6 +138,7 @@ pub(super) fn has_base(text: &str, error: &ron::Error) -> bool {
 impl BasedFile<'_> {
     /// Builds the base and applies the changes of this file.
     pub fn scene(self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
+        let chain = &chain.below(self.scattering.as_ref());
         let mut scene = self.base(text, files, chain)?;
         let changed = self.change(&mut scene, files);
         changed.map_err(|refused| refused.in_text(text, files))?;
@@ -140,7 +159,8 @@ impl BasedFile<'_> {
         if !self.name.0.is_empty() {
             scene.name.clone_from(&self.name.0);
         }
-        scene.materials.extend(self.materials.0.clone());
+        let materials = self.materials.scattering_by(scene.scattering);
+        scene.materials.extend(materials);
         if let Some(air) = &self.air {
             scene.air = Some(air.change(scene.air));
         }
@@ -173,7 +193,7 @@ impl BasedFile<'_> {
             .from_str(self.base.get_ron())
             .map_err(|error| refused(error.code.to_string()))?;
         let path = match named(&name, files.folder()) {
-            Named::BuiltIn(scene) => return scene,
+            Named::BuiltIn(scene) => return built_in(&name, scene?, chain),
             Named::Unknown(error) => return Err(refused(error.to_string())),
             Named::File(path) => path,
         };
@@ -218,6 +238,14 @@ impl BasedFile<'_> {
                 None => error,
             }
         })
+    }
+}
+
+/// A built-in scene with the scattering that a chain states.
+fn built_in(name: &str, scene: Scene, chain: &Chain) -> Result<Scene, SceneError> {
+    match (chain.scattering, Scene::builtin_text(name)) {
+        (Some(_), Some(text)) => parse(text, &Attached::embedded(name, FIELDS), chain),
+        _ => Ok(scene),
     }
 }
 
@@ -275,9 +303,10 @@ pub struct BasedScene {
 }
 
 /// The fields of a scene file with a base, in the order of writing.
-const FIELDS: [&str; 7] = [
+const WRITTEN_FIELDS: [&str; 8] = [
     "name",
     "materials",
+    "scattering",
     "air",
     "source",
     "sources",
@@ -346,7 +375,7 @@ impl BasedScene {
     /// The content of a file; `None` if the file has no base.
     fn read(text: &str) -> Option<BasedScene> {
         let said = RawFields::of(text)?;
-        let fields = FIELDS.into_iter().filter_map(|field| {
+        let fields = WRITTEN_FIELDS.into_iter().filter_map(|field| {
             let value = said.get(field)?;
             Some((field, value.trim().to_string()))
         });
@@ -454,7 +483,7 @@ impl BasedScene {
             let _ = writeln!(text, "// {line}");
         }
         let _ = writeln!(text, "Scene(\n    base: {},", quoted(&self.base));
-        for field in FIELDS {
+        for field in WRITTEN_FIELDS {
             if let Some(value) = self.fields.get(field) {
                 let _ = writeln!(text, "    {field}: {value},");
             }

@@ -15,12 +15,14 @@ mod text;
 
 use super::check::NOT_A_ROOM;
 use super::{Scene, SceneError};
+use crate::bands::Bands;
 use crate::file_input::{MalformedText, read_text};
 use crate::ron_error;
 use crate::scene::notation::{Attached, FixedRadius, Form, Name};
 use crate::scene::shape::{form_of, shape_names};
 use crate::text::{in_a_line, nearest_or_all};
 use base_scene::{BasedFile, Chain};
+use per_band::{OfBands, Scattering};
 use ron::error::{Error, SpannedError};
 use serde::Deserialize;
 use sources_and_listeners::{ListenerFile, Several, SourceFile};
@@ -140,7 +142,7 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
 fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     let error = match options().from_str::<SceneFile>(text) {
         Ok(file) => {
-            let scene = file.scene(files);
+            let scene = file.scene(files, chain.scattering());
             return scene.map_err(|refused| refused.in_text(text, files));
         }
         Err(error) => error,
@@ -182,6 +184,7 @@ struct SceneFile {
     surfaces: Vec<SurfaceFile>,
     #[serde(default)]
     materials: Materials,
+    scattering: Option<OfBands<Scattering>>,
     air: Option<AirFile>,
     source: Option<SourceFile>,
     sources: Option<Several<SourceFile>>,
@@ -191,16 +194,20 @@ struct SceneFile {
 
 impl SceneFile {
     /// Converts the content to a scene, and reads the files that it names.
-    fn scene(self, files: &Attached) -> Result<Scene, Refused> {
+    /// `scattering` is the scattering that a scene based on this one states.
+    fn scene(self, files: &Attached, scattering: Option<Bands>) -> Result<Scene, Refused> {
         let sources = Several::needed(self.source, self.sources)?;
         let listeners = Several::needed(self.listener, self.listeners)?;
         let surfaces = self.surfaces.into_iter();
         let surfaces: Result<_, SceneError> = surfaces.map(|s| s.read(files)).collect();
         let sources: Result<_, SceneError> = sources.iter().map(|s| s.read(files)).collect();
+        let own = self.scattering.map(|own| own.0);
+        let scattering = scattering.or(own).unwrap_or_default();
         let scene = Scene {
             name: self.name.0,
             surfaces: surfaces?,
-            materials: self.materials.0,
+            materials: self.materials.scattering_by(scattering).collect(),
+            scattering,
             air: self.air.map(|air| air.change(None)),
             sources: sources?,
             listeners: listeners.iter().map(ListenerFile::read).collect(),

@@ -43,8 +43,12 @@ impl Serialize for Scene {
         fields.push(("surfaces", Written::List(surfaces)));
         if !self.materials.is_empty() {
             let materials = self.materials.iter();
-            let materials = materials.map(|(name, of)| (name.clone(), material(of)));
+            let materials =
+                materials.map(|(name, of)| (name.clone(), material(of, self.scattering)));
             fields.push(("materials", Written::Map(materials.collect())));
+        }
+        if self.scattering != [0.0; BAND_COUNT] {
+            fields.push(("scattering", by_band(self.scattering)));
         }
         fields.extend(self.air.map(|of| ("air", air(of))));
         fields.push(match &self.sources[..] {
@@ -70,7 +74,7 @@ impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scene, D::Error> {
         let file = SceneFile::deserialize(deserializer)?;
         let files = Attached::in_folder("the scene", std::path::Path::new(""));
-        let scene = file.scene(&files);
+        let scene = file.scene(&files, None);
         let scene = scene.map_err(|refused| de::Error::custom(refused.without_place()))?;
         scene.check().map_err(de::Error::custom)?;
         Ok(scene)
@@ -87,12 +91,17 @@ pub(super) fn listeners(of: &Scene) -> Written {
     Written::List(of.listeners.iter().map(listener).collect())
 }
 
-fn material(of: &Material) -> Written {
-    let parts = [("absorption", of.absorption), ("scattering", of.scattering)];
+/// A material of a scene with this scattering. Values that reading supplies are left out.
+fn material(of: &Material, scattering: Bands) -> Written {
+    let parts = [
+        ("absorption", of.absorption, [0.0; BAND_COUNT]),
+        ("scattering", of.scattering, scattering),
+    ];
     let said = parts
         .into_iter()
-        .filter(|(_, bands)| *bands != [0.0; BAND_COUNT]);
-    let mut fields: Fields = said.map(|(part, bands)| (part, by_band(bands))).collect();
+        .filter(|(_, bands, supplied)| bands != supplied);
+    let said = said.map(|(part, bands, _)| (part, by_band(bands)));
+    let mut fields: Fields = said.collect();
     match of.transmission {
         None => {}
         Some(Transmission::Reduction {
@@ -428,6 +437,7 @@ mod tests {
                 "pane": Material(density: 2500, coincidence: 12.7),
                 "wall": Material(reduction: [30, 33, 36, 39, 42, 45, 48, 51], thickness: 0.1),
             },
+            scattering: [0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.4, 0.4],
             air: Air(temperature: 7.3),
             sources: [
                 Source(path: [Key(time: 0, position: (0, 0, 5)), Key(time: 1, position: (1, 0, 5), yaw: 90)],

@@ -1,6 +1,7 @@
 //! The surfaces, materials and air of a scene file.
 
 use super::per_band::{Absorption, OfBands, Reduction, Scattering};
+use crate::bands::Bands;
 use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector, checked};
 use crate::scene::shape::Room;
@@ -65,7 +66,30 @@ impl SurfaceFile {
 
 /// Materials by name; names are unique.
 #[derive(Default)]
-pub struct Materials(pub BTreeMap<String, Material>);
+pub struct Materials(BTreeMap<String, ReadMaterial>);
+
+#[derive(Clone, Copy)]
+struct ReadMaterial {
+    material: Material,
+    /// Whether the file states the scattering of this material.
+    states_scattering: bool,
+}
+
+impl Materials {
+    /// The materials. Those that state no scattering have the scattering of the scene.
+    pub fn scattering_by(
+        &self,
+        of_scene: Bands,
+    ) -> impl Iterator<Item = (String, Material)> + use<'_> {
+        self.0.iter().map(move |(name, read)| {
+            let material = match read.states_scattering {
+                true => read.material,
+                false => read.material.scattering_by(of_scene),
+            };
+            (name.clone(), material)
+        })
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
@@ -199,11 +223,16 @@ impl<'de> Visitor<'de> for ByName {
                 return Err(A::Error::custom(why));
             }
             let said: MaterialFile = said.next_value()?;
+            let states_scattering = said.scattering.is_some();
             let material = said.material().map_err(|why| {
                 let why = format!("the material {name:?} {why}");
                 A::Error::custom(why)
             })?;
-            materials.insert(name, material);
+            let read = ReadMaterial {
+                material,
+                states_scattering,
+            };
+            materials.insert(name, read);
         }
         Ok(Materials(materials))
     }

@@ -46,12 +46,12 @@ fn everything_that_is_said_is_in_the_scene() {
         ..Material::MIRROR
     };
     let wall = |name| Room::WALL_NAMES.iter().position(|known| *known == name);
-    assert_eq!(scene.material(0, None), Some(&brick));
-    assert_eq!(scene.material(0, wall("left")), Some(&brick));
-    assert_eq!(scene.material(0, wall("floor")), Some(&mat));
-    let curtain = Material::builtin("curtain");
+    assert_eq!(scene.material(0, None), Some(brick));
+    assert_eq!(scene.material(0, wall("left")), Some(brick));
+    assert_eq!(scene.material(0, wall("floor")), Some(mat));
+    let curtain = Material::builtin("curtain").copied();
     assert_eq!(scene.material(0, wall("back")), curtain);
-    assert_eq!(scene.material(1, None), Some(&mat));
+    assert_eq!(scene.material(1, None), Some(mat));
     assert_eq!(scene.material(2, None), None);
     let air = Air {
         temperature: 10.0,
@@ -498,4 +498,81 @@ fn a_scene_is_read_as_it_was_written() {
             assert!(same, "seed {seed}: {ron}");
         }
     }
+}
+
+/// The scattering of all bands of two materials: one of the scene, and a built-in one.
+fn scatterings(scene: &Scene) -> [f64; 2] {
+    ["own", "brick"].map(|name| {
+        let material = scene.material_named(name);
+        let material = material.unwrap_or_else(|| panic!("{name}"));
+        assert_eq!(material.scattering, [material.scattering[0]; 8], "{name}");
+        material.scattering[0]
+    })
+}
+
+/// Protects the scattering of a scene: built-in materials and materials that state none have it, a stated one is kept,
+/// also 0, and a scene based on another replaces it in the whole chain.
+#[test]
+fn the_scattering_of_a_scene_is_that_of_materials_without_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = |fields: &str, own: &str| {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Plane, material: \"own\")], materials: {{\"own\": Material({own})}},
+            {fields} source: Source(position: (0, 1, 0)),
+            listener: Listener(position: (5, 2, 0), radius: 1))"
+        );
+        std::fs::write(folder.path().join("base.ron"), &text).unwrap();
+        read(&text)
+    };
+    let based = |text: &str| Scene::from_ron_in(text, "based", folder.path());
+    assert_eq!(scatterings(&scene("", "absorption: 0.2")), [0.0, 0.0]);
+    for (own, expected) in [
+        ("absorption: 0.2", [0.1, 0.3, 0.4]),
+        ("base: \"glass\"", [0.1, 0.3, 0.4]),
+        ("scattering: 0", [0.0; 3]),
+        ("scattering: 0.25", [0.25; 3]),
+    ] {
+        let written = scene("scattering: 0.1,", own);
+        assert_eq!(scatterings(&written), [expected[0], 0.1], "{own}");
+        let again = read(&ron::to_string(&written).unwrap());
+        assert_eq!(scatterings(&again), scatterings(&written), "{own}");
+        let louder = "Scene(base: \"base.ron\", scattering: 0.3)";
+        std::fs::write(folder.path().join("louder.ron"), louder).unwrap();
+        let rough = based(louder).unwrap();
+        assert_eq!(scatterings(&rough), [expected[1], 0.3], "{own}");
+        let kept = based("Scene(base: \"louder.ron\")").unwrap();
+        assert_eq!(scatterings(&kept), [expected[1], 0.3], "{own}");
+        let rougher = based("Scene(base: \"louder.ron\", scattering: 0.4)").unwrap();
+        assert_eq!(scatterings(&rougher), [expected[2], 0.4], "{own}");
+        let added = "Scene(base: \"louder.ron\", materials: {\"own\": Material(absorption: 0.9)})";
+        assert_eq!(scatterings(&based(added).unwrap()), [0.3, 0.3]);
+    }
+    let built_in = based("Scene(base: \"glasshouse\", scattering: 0.2)").unwrap();
+    assert_eq!(built_in.scattering, [0.2; 8]);
+    let brick = built_in.material_named("brick").unwrap();
+    assert_eq!(brick.scattering, [0.2; 8]);
+}
+
+/// Protects the messages for wrong scatterings of a scene, in a file and in Rust.
+#[test]
+fn a_wrong_scattering_of_a_scene_is_refused() {
+    let corner = |scattering: &str| {
+        let text = format!("Scene(base: \"corner\", scattering: {scattering})");
+        Scene::from_ron(&text, "text").unwrap_err().to_string()
+    };
+    for (scattering, why) in [
+        ("1.5", "a scattering must be 0 to 1, not 1.5"),
+        ("[0.1, 0.2]", "a scattering is one number or eight"),
+        ("\"much\"", "a scattering as a number from 0 to 1"),
+    ] {
+        let refused = corner(scattering);
+        assert!(refused.contains(why), "{refused}");
+    }
+    let mut scene = Scene::builtin("corner").unwrap();
+    scene.scattering[7] = -0.1;
+    let refused = scene.check().unwrap_err().to_string();
+    assert!(
+        refused.contains("the scattering of the scene must be 0 to 1, not -0.1"),
+        "{refused}"
+    );
 }

@@ -5,28 +5,32 @@ use super::pairs::NamedPair;
 use anyhow::anyhow;
 use echomarch::Error;
 use echomarch::audio::WavWriter;
+use echomarch::bands::BANDS_HZ;
 use echomarch::internals::file_output::write_whole;
 use echomarch::response::{
-    Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Response,
+    BandFigures, Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
+    Response,
 };
 use echomarch_lab::experiment::decay_plot;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Writes the requested files.
+/// Writes the requested files of a pair. `file_of` returns the pair's file for a file given on the command line.
 pub fn write(
     arguments: &Arguments,
     format: &Format,
     pair: &NamedPair,
     response: &Response,
+    file_of: impl Fn(&Path) -> PathBuf,
 ) -> anyhow::Result<()> {
-    if let Some(file) = &arguments.output {
-        write_wav(arguments, file, format, pair, response)?;
+    let file_of = |given: &Option<PathBuf>| given.as_deref().map(&file_of);
+    if let Some(file) = file_of(&arguments.output) {
+        write_wav(arguments, &file, format, pair, response)?;
     }
-    if let Some(file) = &arguments.echogram {
-        write_whole(file, |out| write_echogram(&response.echogram, out))?;
+    if let Some(file) = file_of(&arguments.echogram) {
+        write_whole(&file, |out| write_echogram(&response.echogram, out))?;
     }
-    if let Some(file) = &arguments.plot {
+    if let Some(file) = file_of(&arguments.plot) {
         let title = format!(
             "{}: source {}, listener {}",
             pair.pair.scene().name,
@@ -35,7 +39,7 @@ pub fn write(
         );
         let svg = decay_plot::svg(&title, response);
         let svg = svg.map_err(|error| anyhow!("cannot draw the plot: {error}"))?;
-        write_whole(file, |out| out.write_all(svg.as_bytes()))?;
+        write_whole(&file, |out| out.write_all(svg.as_bytes()))?;
     }
     Ok(())
 }
@@ -67,4 +71,33 @@ fn write_echogram(echogram: &Echogram, out: &mut dyn Write) -> io::Result<()> {
         csv.write_record(row.values().map(|value| value.to_string()))?;
     }
     csv.flush()
+}
+
+/// Writes the figures of all pairs and their standard errors, one row for each pair and band. A missing figure is empty.
+pub fn write_figures(heard: &[(NamedPair, Response)], out: &mut dyn Write) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    let keys = ["source", "listener", "band_hz"].map(str::to_owned);
+    let named = BandFigures::NAMES.into_iter();
+    let named = named.flat_map(|name| [name.to_owned(), error_name(name)]);
+    csv.write_record(keys.into_iter().chain(named))?;
+    let text = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+    for (pair, response) in heard {
+        let figures = &response.figures;
+        for (band, band_hz) in BANDS_HZ.iter().enumerate() {
+            let values = figures.bands[band].list().into_iter();
+            let both = values.zip(figures.errors[band].list());
+            let keys = [&pair.source, &pair.listener, &band_hz.to_string()].map(String::clone);
+            let values = both.flat_map(|(value, error)| [text(value), text(error)]);
+            csv.write_record(keys.into_iter().chain(values))?;
+        }
+    }
+    csv.flush()
+}
+
+/// The name of the standard error of a figure: `t30_error_s` for `t30_s`.
+fn error_name(figure: &str) -> String {
+    match figure.split_once('_') {
+        Some((figure, unit)) => format!("{figure}_error_{unit}"),
+        None => format!("{figure}_error"),
+    }
 }

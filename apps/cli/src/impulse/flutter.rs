@@ -23,11 +23,11 @@ fn sentence(flutter: &Flutter) -> String {
     let figures: Vec<String> = figures.collect();
     let [one, other] = flutter.walls.map(|wall| Room::WALL_NAMES[wall]);
     let scatters = match flutter.nothing_scatters {
-        true => "nothing scatters, because built-in materials have no scattering",
-        false => "too little scatters",
+        true => "nothing scatters: write scattering: 0.1 in the scene",
+        false => "too little scatters: give the walls more scattering",
     };
     format!(
-        "T30 is more than 1.5 times Eyring's ({}): flutter echo between 1/{one} and 1/{other}; {scatters}: give the walls a scattering (docs/scene-format.md)",
+        "T30 is more than 1.5 times Eyring's ({}): flutter echo between 1/{one} and 1/{other}; {scatters} (docs/scene-format.md)",
         figures.join(", ")
     )
 }

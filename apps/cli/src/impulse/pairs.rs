@@ -8,6 +8,8 @@ pub struct NamedPair<'a> {
     /// The names of the source and the listener, or their numbers from 1.
     pub source: String,
     pub listener: String,
+    /// The numbers of the source and the listener, from 1.
+    pub numbers: [usize; 2],
     pub pair: Pair<'a>,
 }
 
@@ -38,6 +40,7 @@ pub fn chosen<'a>(
         Ok(NamedPair {
             source: sources[from].clone(),
             listener: listeners[to].clone(),
+            numbers: [from + 1, to + 1],
             pair: pair.map_err(|error| BadInput(error.to_string()))?,
         })
     };
@@ -48,14 +51,6 @@ pub fn chosen<'a>(
 pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
     let chosen = choose("listener", &scene.listener_labels(), wanted)?;
     Ok(chosen[0])
-}
-
-/// The error for several pairs, if the output files can contain only one pair.
-pub fn too_many(scene: &Scene, count: usize) -> String {
-    format!(
-        "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
-        scene.name
-    )
 }
 
 /// Returns the chosen indices. A name takes precedence over a number.
