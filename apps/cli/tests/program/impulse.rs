@@ -303,10 +303,6 @@ fn what_cannot_be_is_refused() {
     );
     refuse(&["impulse", &file, "-o", &file], "must end in .wav");
     refuse(
-        &["impulse", "shoebox", "--accuracy", "2"],
-        "write 2% for 2 per cent",
-    );
-    refuse(
         &["impulse", "shoebox", "--accuracy", "20%"],
         "0.001 to 0.05 (0.1 % to 5 %)",
     );
