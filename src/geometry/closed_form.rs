@@ -3,6 +3,7 @@
 //! A line starts in the air. Rounding can move its start up to `error_bound` metres into a solid. A line that points
 //! into the solid then hits the surface at once, and a line that points out of the solid leaves it.
 
+use super::intersection::{Face, Intersection};
 use super::marched::MarchedField;
 use super::placed_mesh::PlacedMesh;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
@@ -39,24 +40,6 @@ pub(super) struct Placed {
     position: DVec3,
     /// Rotation from the shape's axes to the world axes, and its inverse; `None` if the shape is not rotated.
     pub turn: Option<(DMat3, DMat3)>,
-}
-
-/// One of the six faces of a box: its axis and side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Face {
-    pub axis: usize,
-    pub positive: bool,
-}
-
-/// The intersection of a line with a shape.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Intersection {
-    /// Distance in metres along the unit direction, at least 0.
-    pub t: f64,
-    /// The face that is hit, for a box or a room.
-    pub face: Option<Face>,
-    /// The index of the triangle that is hit, for a mesh.
-    pub triangle: Option<u32>,
 }
 
 impl Placed {

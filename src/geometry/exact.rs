@@ -8,8 +8,9 @@
 //!   No wave can enter between the box and the wall.
 //! - At equal distances, the listener takes precedence over a surface.
 
-use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
+use super::closed_form::{Placed, intersect_sphere};
 use super::hierarchy::Hierarchy;
+use super::intersection::{Face, Intersection};
 use crate::sampling::{FNV_EMPTY, fnv_with};
 use crate::scene::{IntoPair, Pair, SceneError};
 use glam::{DVec3, Vec3};

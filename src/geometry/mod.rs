@@ -39,6 +39,7 @@ mod exact;
 mod hierarchy;
 mod hollow;
 mod image_source;
+mod intersection;
 mod marched;
 mod obstacles;
 mod placed_mesh;

@@ -1,6 +1,6 @@
 //! Intersections of a line with a triangle mesh, in the mesh's own axes and in `f64`.
 
-use super::closed_form::Intersection;
+use super::intersection::Intersection;
 use crate::scene::Bounds3;
 use crate::scene::mesh::TriangleMesh;
 use crate::scene::shape::Mesh;

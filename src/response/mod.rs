@@ -52,6 +52,7 @@ mod impulse_response;
 mod late;
 mod least_level;
 mod omnidirectional_path;
+mod rounds;
 mod settings;
 mod source_sound;
 #[cfg(test)]
@@ -60,8 +61,6 @@ mod transmission;
 
 pub use crate::arrival::{Arrival, Tap};
 pub use accuracy::Accuracy;
-#[doc(hidden)]
-pub use accuracy::Round;
 #[doc(hidden)]
 pub use diagnosis::{Flutter, Gap, flutters};
 pub use echogram::{Echogram, EchogramRow};
@@ -76,6 +75,8 @@ pub use heard_source::{HeardKind, HeardSource};
 pub use hidden::diffracted;
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};
+#[doc(hidden)]
+pub use rounds::Round;
 pub use settings::ResponseSettings;
 pub use source_sound::{HeardPath, Level, PathKind};
 
@@ -177,7 +178,7 @@ impl Response {
     ) -> Result<Response, Error> {
         let pair = pair.chosen()?;
         match &settings.accuracy {
-            Some(accuracy) => accuracy::trace(tracer, pair, settings, accuracy, observe),
+            Some(accuracy) => rounds::trace(tracer, pair, settings, accuracy, observe),
             None => Response::of_pair(tracer, pair, settings),
         }
     }
