@@ -24,7 +24,6 @@ mod uncertainty;
 
 pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
-use precision::NO_PRECISION;
 pub use precision::{Precision, Withheld};
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
@@ -203,7 +202,7 @@ impl Figures {
             cut_off: [None; BAND_COUNT],
             begins_s: start.map(|start| start.seconds),
             begins_error_s: start.map(|_| 0.0),
-            precision: NO_PRECISION,
+            precision: Default::default(),
         };
         let Some(start) = start.filter(|start| start.seconds < ends_s && ends_s.is_finite()) else {
             return figures;

@@ -46,26 +46,18 @@ impl Figures {
     /// Minimum number of arrivals of equal energy after the end of a reported decay.
     pub const LEAST_ARRIVALS: f64 = LEAST_ARRIVALS;
 
-    /// The standard errors that correspond to an accuracy, a share of decay times, by the order of
-    /// [`BandFigures::NAMES`] and in the units of the figures. Just noticeable differences (ISO 3382-1, annex A) are in
-    /// proportion: for 2 % these are 2 % of a decay time, 0.2 dB, 0.01 for D50 and 2 ms for Ts.
-    pub(crate) fn tolerances(accuracy: f64, values: &List) -> [f64; FIGURE_COUNT] {
+    /// The standard error that corresponds to an accuracy, a share of decay times, for the figure at this place in
+    /// [`BandFigures::NAMES`] and with this value, in the figure's unit. Just noticeable differences (ISO 3382-1, annex
+    /// A) are in proportion: for 2 % these are 2 % of a decay time, 0.2 dB, 0.01 for D50 and 2 ms for Ts.
+    fn tolerance(accuracy: f64, figure: usize, value: f64) -> f64 {
         /// Decibels, D50 and seconds per unit of accuracy.
         const DECIBELS: f64 = 10.0;
         const DEFINITION: f64 = 0.5;
         const CENTRE_S: f64 = 0.1;
-        let time = |figure: usize| accuracy * values[figure].unwrap_or(0.0);
-        let decibels = DECIBELS * accuracy;
-        [
-            time(0),
-            time(1),
-            time(2),
-            decibels,
-            decibels,
-            DEFINITION * accuracy,
-            CENTRE_S * accuracy,
-            decibels,
-        ]
+        let units: [f64; FIGURE_COUNT] = [
+            value, value, value, DECIBELS, DECIBELS, DEFINITION, CENTRE_S, DECIBELS,
+        ];
+        accuracy * units[figure]
     }
 
     /// Why a figure of a band is withheld, with the figure's place in [`BandFigures::NAMES`]. `None` if it is reported,
@@ -121,9 +113,7 @@ impl Figures {
         let precision = &self.precision[band][figure];
         let value = precision.value?;
         let least = self.waves_to_report(band, figure).unwrap_or(0.0);
-        let mut values = [None; FIGURE_COUNT];
-        values[figure] = Some(value);
-        let tolerance = Figures::tolerances(accuracy, &values)[figure];
+        let tolerance = Figures::tolerance(accuracy, figure, value);
         let error = self.errors[band].list()[figure].unwrap_or(0.0);
         let noise = match precision.noise {
             Some(noise) => noise,
@@ -171,7 +161,7 @@ impl Figures {
                 false => f64::INFINITY,
             };
             arrivals.is_none_or(|arrivals| arrivals >= LEAST_ARRIVALS)
-                && noise.is_some_and(|noise| noise <= worst && noise.is_finite())
+                && noise.is_some_and(|noise| noise <= worst)
         };
         let told = |of: fn(&Precision) -> Option<f64>| {
             let list = std::array::from_fn(|figure| {
@@ -182,11 +172,3 @@ impl Figures {
         (told(|figure| figure.value), told(|figure| figure.noise))
     }
 }
-
-/// No figures.
-pub(super) const NO_PRECISION: [[Precision; FIGURE_COUNT]; BAND_COUNT] = [[Precision {
-    value: None,
-    noise: None,
-    arrivals: None,
-}; FIGURE_COUNT];
-    BAND_COUNT];

@@ -382,14 +382,12 @@ impl Block {
         let mut from: Vec<u32> = (0..self.grid.width * self.grid.height).collect();
         let waves = self.waves.clone();
         let before: Vec<Before> = (0..self.grid.waves).map(|wave| self.before(wave)).collect();
+        self.before.clone_from(&before);
         let pairs = replaced.iter().zip(originals);
         for ((to, original), energy) in pairs.zip(energies) {
             from[texel(*to) as usize] = texel(*original);
             self.waves[*to as usize] = waves[*original as usize];
             self.energies[*to as usize] = energy;
-        }
-        self.before.clone_from(&before);
-        for (to, original) in replaced.iter().zip(originals) {
             self.before[*to as usize] = before[*original as usize];
         }
         from
