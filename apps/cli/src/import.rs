@@ -31,7 +31,7 @@ pub struct Arguments {
     /// The scene file to write; without it, the mesh is only checked
     #[arg(short, long, value_name = "FILE.ron")]
     output: Option<PathBuf>,
-    /// What a closed mesh encloses [default: solid if its faces point outwards, otherwise air]
+    /// Inside of a closed mesh: air or solid [default: solid if its faces point outwards, otherwise air]
     #[arg(long, value_name = "PART")]
     inside: Option<Enclosed>,
     /// Metres per unit of the file

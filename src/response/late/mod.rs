@@ -62,7 +62,7 @@ pub(super) struct Arrivals {
     pub early: Vec<Arrival>,
     /// Arrivals that have passed solids and were not reflected.
     pub straight: Echogram,
-    /// The arrivals in the inner sphere less those in the sphere of late arrivals, if the two are compared.
+    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
     pub inner: Option<Difference>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,

@@ -197,7 +197,8 @@ fn orient(
     Ok(())
 }
 
-/// Removes triangles whose height is rounding. The triangles beside them then share an edge up to rounding.
+/// Removes triangles whose height is below the rounding of their corners. Their neighbours then share an edge up to
+/// rounding.
 fn drop_slivers(
     vertices: &[Vec3],
     triangles: &mut Vec<[u32; 3]>,

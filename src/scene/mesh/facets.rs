@@ -11,7 +11,7 @@ use glam::DVec3;
 /// last place of that coordinate in `f32`, in which corners are stored.
 const FLATNESS: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Least cosine between the normals of a facet and of its triangles. A fold of a few degrees is no rounding.
+/// Least cosine between the normals of a facet and of its triangles. A fold of a few degrees exceeds rounding.
 const LEAST_COSINE: f64 = 0.9999;
 
 /// Maximum number of facets that are compared with each other to join coplanar facets that do not touch.

@@ -11,7 +11,7 @@ use echomarch::tracer::Settings;
 #[derive(Args, Debug)]
 pub struct AccuracyOptions {
     /// Standard error of EDT, T20 and T30: 0.1 % to 5 %. C50, C80 and G have a tenth of a decibel for each per cent.
-    /// As many waves are traced as this takes [default: 2%, unless --waves is given]
+    /// The number of waves grows until all figures have this error [default: 2%, unless --waves is given]
     #[arg(long, allow_negative_numbers = true, value_name = "PERCENT", value_parser = percent)]
     accuracy: Option<f64>,
     /// Number of sound waves, 1 to 16777216; the maximum number with --accuracy [default: as many as --accuracy takes,
