@@ -30,6 +30,8 @@ pub struct Arrival {
     /// The contribution to the energy density in an inner sphere, as a multiple of `energy`: 0 if the wave does not
     /// cross this sphere, and 1 without such a sphere.
     pub(crate) inner: f64,
+    /// The index of the sphere among the detectors that share the waves.
+    pub(crate) detector: u32,
 }
 
 /// Sound that arrives at one instant, known exactly: the direct sound, or an early echo.

@@ -1,12 +1,12 @@
 // A pass over the waves of a block: traces each wave through a chunk of iterations, and writes the
-// wave's new state, a tally, and a record of each crossing of the listener.
+// wave's new state, a tally, and a record of each crossing of a detector.
 //
 //   first texture:   position x, y, z in metres, status
 //   second texture:  direction x, y, z, metres flown from the source (rounded)
 //   tally:           metres flown in the chunk as whole sixteenths and remainder, crossings + 1024 * fate,
 //                    the first word of events
 //   words:           four more words of events, only with materials
-//   each record:     metres from the chunk's start to the middle of the chord; iteration +
+//   each record:     metres from the chunk's start to the middle of the chord; iteration + 64 * detector +
 //                    chord * uChordScale, with the sign of the direction's z; direction x, y. With an inner
 //                    sphere, x is rounded to steps, and its fraction is chord * uChordScale in the inner sphere
 //
@@ -27,7 +27,7 @@ layout(location = 0) out vec4 outOrigin;
 layout(location = 1) out vec4 outDirection;
 layout(location = 2) out vec4 outTally;
 
-const float CROSSINGS = 1024.0;   // more than a chunk can contain
+const float CROSSINGS = 16384.0;   // more than a chunk can contain
 
 float fate(float status) {
     return status >= 0.1 ? 0.0 : -status;
@@ -59,9 +59,6 @@ void main() {
     copySettings();
     lengthLimit = uLengthLimit;
     chordScale = uChordScale;
-#if INNER_SPHERE
-    squaredInnerRadius = uInnerRadius * uInnerRadius;
-#endif
     ivec2 texel = ivec2(gl_FragCoord.xy);
     uint number = waveIndex();
     bool exists = true;

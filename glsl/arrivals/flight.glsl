@@ -1,15 +1,14 @@
-// One iteration of a wave that passes through the listener, and the record of its crossing.
+// One iteration of a wave that passes through the detectors, and the records of its crossings.
 
 const float STATUS_GIVEN_UP = -2.0;   // a march reached its step limit; the wave is not followed further
 const float STATUS_OVER = -3.0;       // has flown the requested length
 
 uniform float uLengthLimit;   // metres from the source after which a wave is not followed further
-uniform float uChordScale;    // 1 / (4 listener radii): scales a chord to at most a half
+uniform float uChordScale;    // 1 / (4 radii of the largest detector): scales a chord to at most a half
+uniform vec4 uDetectors[DETECTORS];   // centre in the march's coordinates, radius; 0: unused
 
 #if INNER_SPHERE
-uniform float uInnerRadius;   // metres: a sphere within the listener's sphere, about the same centre
-
-float squaredInnerRadius = 0.0;
+uniform float uInnerRadii[DETECTORS];   // metres: a sphere within each detector, about the same centre
 #endif
 float lengthLimit = 0.0;
 float chordScale = 0.0;
@@ -41,36 +40,49 @@ void addLength(float t) {
 #if INNER_SPHERE
 // The direction's x in whole steps of 1 / X_STEPS, plus the part of the flight within the inner sphere as a fraction
 // below a half.
-float xAndInnerChord(float x, float along, float squaredAside, float t) {
+float xAndInnerChord(int detector, float x, float along, float squaredAside, float t) {
     const float X_STEPS = 512.0;
-    float halfChord = sqrt(max(squaredInnerRadius - squaredAside, 0.0));
+    float halfChord = sqrt(max(uInnerRadii[detector] * uInnerRadii[detector] - squaredAside, 0.0));
     float chord = min(halfChord - along, t) - max(-along - halfChord, 0.0);
     return floor(X_STEPS * x + 0.5) + max(chord, 0.0) * chordScale;
 }
 #else
-float xAndInnerChord(float x, float along, float squaredAside, float t) {
+float xAndInnerChord(int detector, float x, float along, float squaredAside, float t) {
     return x;
 }
 #endif
 
-// If the flight of t metres from p along d crosses the listener, whose centre is the origin of the coordinates,
-// records the crossing. (If the flight begins or ends inside, only the part of the chord that it covers counts.)
-void crossListener(vec3 p, vec3 d, float t, float iteration) {
-    float along = dot(p, d);
-    vec3 aside = p - along * d;
+// If the flight of t metres from p along d crosses the detector, records the crossing. (If the flight begins or ends
+// inside, only the part of the chord that it covers counts.)
+void crossDetector(int detector, vec3 p, vec3 d, float t, float iteration) {
+    const float ITERATIONS = 64.0;   // more than a chunk has
+    vec4 sphere = uDetectors[detector];
+    vec3 from = p - sphere.xyz;
+    float along = dot(from, d);
+    vec3 aside = from - along * d;
     float squaredAside = dot(aside, aside);
-    float halfChord = sqrt(max(squaredListenerRadius - squaredAside, 0.0));
+    float halfChord = sqrt(max(sphere.w * sphere.w - squaredAside, 0.0));
     float enters = max(-along - halfChord, 0.0);
     float leaves = min(halfChord - along, t);
     bool crosses = leaves > enters;
     // The sign of the direction's third component is recorded separately; its magnitude follows
     // from the other two.
-    float share = iteration + (leaves - enters) * chordScale;
+    float share = iteration + ITERATIONS * float(detector) + (leaves - enters) * chordScale;
     float middle = sixteenths + (rest + 0.5 * (enters + leaves));
-    float x = xAndInnerChord(d.x, along, squaredAside, t);
+    float x = xAndInnerChord(detector, d.x, along, squaredAside, t);
     vec4 record = vec4(middle, d.z < 0.0 ? -share : share, x, d.y);
     keepRecord(crosses ? crossings - passedOver : -1.0, record);
     crossings += crosses ? 1.0 : 0.0;
+}
+
+void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
+#if DETECTORS > 1
+    for (int detector = 0; detector < DETECTORS; ++detector) {
+        crossDetector(detector, p, d, t, iteration);
+    }
+#else
+    crossDetector(0, p, d, t, iteration);
+#endif
 }
 
 // Moves the wave to the next surface and reflects it there, specularly or diffusely. Returns the
@@ -80,7 +92,7 @@ uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
     float t = fly(p, d, status, object);
     bool givenUp = t < 0.0;
     bool met = !givenUp && t < maxDistance;
-    crossListener(p, d, t, iteration);
+    crossDetectors(p, d, t, iteration);
     vec3 onto = p;
     vec3 reflected = d;
     reflectWave(object, t, onto, reflected);

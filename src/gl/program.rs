@@ -151,6 +151,15 @@ impl Program {
         });
     }
 
+    /// Sets an array of `float`, like [`set_vec4_array`](Self::set_vec4_array).
+    pub fn set_f32_array(&self, name: &str, values: &[f32]) {
+        if values.is_empty() {
+            return;
+        }
+        // SAFETY: as in set_i32; GL ignores elements beyond the end.
+        self.set(name, |gl, at| unsafe { gl.uniform_1_f32_slice(at, values) });
+    }
+
     /// Binds a texture to a unit (0 to 15) and sets the `sampler2D` to that unit. All programs of a context share the
     /// units: set a program's textures just before its pass.
     pub fn set_texture(&self, name: &str, unit: u32, texture: &Texture) {

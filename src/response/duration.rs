@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::scene::{IntoPair, Pair};
 use crate::shader;
 use crate::tracer::{
-    ArrivalCounts, ArrivalSettings, SolidHit, Tracer, Transmitting, WavesToFollow,
+    ArrivalCounts, ArrivalSettings, Detector, SolidHit, Tracer, Transmitting, WavesToFollow,
 };
 use std::cell::RefCell;
 
@@ -64,43 +64,50 @@ impl ResponseSettings {
     ) -> Result<f64, Error> {
         let pair = pair.chosen()?;
         self.validate()?;
+        self.seconds_of_pairs(tracer, &[pair])
+    }
+
+    /// The greatest length of the responses of pairs with one source, at most [`Tracer::most_detectors`] of them.
+    pub(super) fn seconds_of_pairs(
+        &self,
+        tracer: &mut Tracer,
+        pairs: &[Pair],
+    ) -> Result<f64, Error> {
         match self.seconds {
             Some(seconds) => Ok(seconds),
-            None => needed(tracer, pair, self),
+            None => needed(tracer, pairs, self),
         }
     }
 }
 
-/// Returns the time in seconds after which at most [`LEFT`] of all energy remains in every band, as estimated by waves.
-/// It is at most the longest time of the settings, but at least the time of the direct sound.
-fn needed(tracer: &mut Tracer, pair: Pair, settings: &ResponseSettings) -> Result<f64, Error> {
-    let longest_s = settings.longest_s;
-    let medium = Medium::of(pair);
-    let scene = pair.scene;
-    let (mut decay, counts) = Decay::trace(tracer, pair, settings, WAVES)?;
-    if counts.gone == 0 && scene.air.is_none() && !scene.has_materials() {
-        let end_s = medium.direct_s + WITHOUT_DECAY_S;
-        return Ok(end_s
-            .min(longest_s.max(medium.direct_s + SHORTEST_S))
-            .min(ImpulseSettings::MAX_SECONDS));
-    }
+/// Returns the time in seconds after which at most [`LEFT`] of all energy remains in every band, as estimated by waves:
+/// the greatest of all pairs. It is at most the longest time of the settings, but at least the time of the direct sound.
+fn needed(tracer: &mut Tracer, pairs: &[Pair], settings: &ResponseSettings) -> Result<f64, Error> {
+    let (mut decays, counts) = Decay::trace(tracer, pairs, settings, WAVES)?;
+    let never_ends =
+        |pair: &Pair| counts.gone == 0 && pair.scene.air.is_none() && !pair.scene.has_materials();
+    let is_unknown =
+        |decay: &Decay| !decay.is_end_known() && decay.end_s() + BIN_S < settings.longest_s;
     // If the record already has the maximum length, more waves change nothing.
-    if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
+    if !pairs.iter().any(never_ends) && decays.iter().any(is_unknown) {
         let more = match most_leave(&counts) {
             true => WAVES_OUTDOORS,
             false => WAVES_BETWEEN,
         };
-        (decay, _) = Decay::trace(tracer, pair, settings, more)?;
+        (decays, _) = Decay::trace(tracer, pairs, settings, more)?;
     }
-    let end_s = match decay.is_end_known() {
-        true => decay.end_s(),
-        false => decay.end_s().max(decay.end_unseen_s(medium.direct_s)),
+    let of_pair = |(pair, decay): (&Pair, &Decay)| {
+        let direct_s = Medium::of(*pair).direct_s;
+        let end_s = match (never_ends(pair), decay.is_end_known()) {
+            (true, _) => direct_s + WITHOUT_DECAY_S,
+            (false, true) => decay.end_s(),
+            (false, false) => decay.end_s().max(decay.end_unseen_s(direct_s)),
+        };
+        // Waves may miss a small or distant listener.
+        end_s.min(settings.longest_s).max(direct_s + SHORTEST_S)
     };
-    // Waves may miss a small or distant listener.
-    Ok(end_s
-        .min(longest_s)
-        .max(medium.direct_s + SHORTEST_S)
-        .min(ImpulseSettings::MAX_SECONDS))
+    let longest = pairs.iter().zip(&decays).map(of_pair).fold(0.0, f64::max);
+    Ok(longest.min(ImpulseSettings::MAX_SECONDS))
 }
 
 /// Whether most waves leave the scene.
@@ -118,23 +125,27 @@ struct Decay {
 }
 
 impl Decay {
+    /// The decays at the listeners of these pairs.
     fn trace(
         tracer: &mut Tracer,
-        pair: Pair,
+        pairs: &[Pair],
         settings: &ResponseSettings,
         waves: u32,
-    ) -> Result<(Decay, ArrivalCounts), Error> {
+    ) -> Result<(Vec<Decay>, ArrivalCounts), Error> {
+        let pair = pairs[0];
         let medium = Medium::of(pair);
         // More of the few waves that carry the end of the decay cross the larger sphere.
-        let wide = LateSphere::of(pair, LEAST_ORDER).widened(pair.listener);
-        let pair = pair.with_listener(&wide);
+        let wide = |pair: &Pair| LateSphere::of(*pair, LEAST_ORDER).detector(pair.listener);
+        let detectors: Vec<Detector> = pairs.iter().map(wide).collect();
         let solids = transmission::solids(pair, settings)?;
         let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids.as_ref()?, hit);
-        let decay = RefCell::new(Decay::default());
+        let mut decays = Vec::new();
+        decays.resize_with(pairs.len(), Decay::default);
+        let decays = RefCell::new(decays);
         let add = |arrival: Arrival| {
             let energy = bands::through_air(&arrival.energy, &medium.air, arrival.length_m);
             let seconds = arrival.length_m / medium.speed;
-            decay.borrow_mut().add(seconds, &energy);
+            decays.borrow_mut()[arrival.detector as usize].add(seconds, &energy);
         };
         let trace = settings.trace.clone().with_waves(waves);
         let how = ArrivalSettings::new(settings.longest_s).with_least_energy(LEAST_ENERGY);
@@ -147,10 +158,12 @@ impl Decay {
                 through: &through,
                 take: &mut passed,
             });
-            let followed = tracer.arrivals_through(pair, &trace, &how, &all, &mut take, passing)?;
+            let heard = (pair, &detectors[..]);
+            let followed =
+                tracer.arrivals_through(heard, &trace, &how, &all, &mut take, passing)?;
             counts = counts.and(followed.counts());
         }
-        Ok((decay.into_inner(), counts))
+        Ok((decays.into_inner(), counts))
     }
 
     fn add(&mut self, seconds: f64, energy: &Bands) {

@@ -376,6 +376,7 @@ mod tests {
     fn arrival(wave: u32, length_m: f64) -> Arrival {
         Arrival {
             inner: 1.0,
+            detector: 0,
             wave,
             is_early: false,
             reflections: 1,

@@ -46,6 +46,7 @@ mod echogram;
 mod error;
 mod exact_paths;
 mod figures;
+mod from_arrivals;
 mod heard_source;
 mod hidden;
 mod impulse_response;
@@ -54,6 +55,7 @@ mod least_level;
 mod omnidirectional_path;
 mod rounds;
 mod settings;
+mod shared;
 mod source_sound;
 #[cfg(test)]
 mod tests;
@@ -82,18 +84,12 @@ pub use source_sound::{HeardPath, Level, PathKind};
 
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
-use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
-use early_part::{Caught, EarlyPart, Search};
-use exact_paths::EarlyPaths;
+use crate::tracer::{ArrivalCounts, Tracer};
 pub use exact_paths::{Missed, SpecularPath};
-use glam::Vec3;
-use hidden::Hidden;
-use late::{Arrivals, LateSphere};
 use serde::{Deserialize, Serialize};
-use source_sound::Medium;
+use shared::Listeners;
 
 /// The sound of one source at one listener.
 ///
@@ -177,147 +173,64 @@ impl Response {
         observe: &mut dyn FnMut(Round),
     ) -> Result<Response, Error> {
         let pair = pair.chosen()?;
-        match &settings.accuracy {
-            Some(accuracy) => rounds::trace(tracer, pair, settings, accuracy, observe),
-            None => Response::of_pair(tracer, pair, settings),
-        }
+        let mut responses = Response::trace_pairs_observed(tracer, &[pair], settings, observe)?;
+        Ok(responses.remove(0))
     }
 
-    /// The response of the given number of waves.
-    fn of_pair(
+    /// Traces the sound of several pairs. The listeners of one source share its waves, so that many listeners take
+    /// little longer than one. Each response has the accuracy that it would have alone, but other random numbers.
+    /// `milliseconds` is the time of all pairs with the same source.
+    ///
+    /// ```
+    /// use echomarch::gl::Context;
+    /// use echomarch::response::{Response, ResponseSettings};
+    /// use echomarch::{Listener, Scene, Tracer};
+    ///
+    /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let mut scene = Scene::builtin("hall")?;
+    /// scene.listeners.push(Listener::at([0.0, 1.2, 4.0], 0.3));
+    /// let pairs = [scene.pair(0, 0)?, scene.pair(0, 1)?];
+    /// let settings = ResponseSettings::default().with_seconds(0.3);
+    /// let responses = Response::trace_pairs(&mut tracer, &pairs, &settings)?;
+    /// assert_eq!(responses.len(), 2);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The errors of [`Response::trace`].
+    pub fn trace_pairs(
         tracer: &mut Tracer,
-        pair: Pair,
+        pairs: &[Pair],
         settings: &ResponseSettings,
-    ) -> Result<Response, Error> {
-        let began = Instant::now();
-        let seconds = settings.seconds_needed(tracer, pair)?;
-        let late = LateSphere::of(pair, settings.order_in(pair.scene));
-        let in_sphere = |tracer: &mut Tracer, late: LateSphere| {
-            Response::in_sphere(tracer, pair, settings, seconds, late)
-        };
-        let (mut response, is_biased) = in_sphere(tracer, late)?;
-        if is_biased {
-            (response, _) = in_sphere(tracer, LateSphere::own(pair.listener))?;
-        }
-        response.milliseconds = began.elapsed().as_secs_f64() * 1e3;
-        Ok(response)
+    ) -> Result<Vec<Response>, Error> {
+        Response::trace_pairs_observed(tracer, pairs, settings, &mut |_| ())
     }
 
-    /// The response with late arrivals counted in this sphere, and whether the figures are biased by its size.
-    fn in_sphere(
+    /// Like [`Response::trace_pairs`]; `observe` receives each round of responses with a requested accuracy.
+    ///
+    /// # Errors
+    /// The errors of [`Response::trace`].
+    #[doc(hidden)]
+    pub fn trace_pairs_observed(
         tracer: &mut Tracer,
-        pair: Pair,
+        pairs: &[Pair],
         settings: &ResponseSettings,
-        seconds: f64,
-        late: LateSphere,
-    ) -> Result<(Response, bool), Error> {
-        let order = settings.order_in(pair.scene);
-        let medium = Medium::of(pair);
-        // Bins begin at the earliest possible arrival, so that the times 50 and 80 ms after this arrival lie on edges
-        // of bins.
-        let first_s = medium.direct_s;
-        let echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
-        let how = ArrivalSettings::new(seconds).with_early_order(order);
-        let Arrivals {
-            mut echogram,
-            bias,
-            counts,
-            early,
-            straight,
-            inner,
-            travel_on,
-        } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
-        let starts = start_directions(tracer, &settings.trace, &early)?;
-        let early_paths = EarlyPaths::new(pair)?;
-        let search = Search {
-            pair,
-            paths: &early_paths,
-            waves: settings.trace.waves,
-            order,
-            diffracts: settings.diffracts(),
-        };
-        let part = EarlyPart::find(&search, &starts, early);
-        let all_paths = part.heard(pair, &medium);
-        let is_hidden = direct(&all_paths).is_none();
-        let mut paths = all_paths.clone();
-        let hidden = Hidden::find(
-            (pair, &medium, &early_paths),
-            settings,
-            part.hidden_reflections(),
-            &mut paths,
-        );
-        // Diffracted paths replace the waves that pass an edge and reach a part of the listener's sphere.
-        let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && hidden.is_bent();
-        part.left_over(|reflection| hidden.is_reflection_bent(reflection))
-            .filter(|arrival| !is_replaced(arrival))
-            .for_each(|arrival| medium.add(&mut echogram, arrival));
-        // An exact path replaces the waves that pass solids in a straight line.
-        if is_hidden && !hidden.replaces_straight_waves() {
-            echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
+        observe: &mut dyn FnMut(Round),
+    ) -> Result<Vec<Response>, Error> {
+        settings.validate()?;
+        let mut responses: Vec<Option<Response>> = vec![None; pairs.len()];
+        for indices in shared::groups(pairs, tracer.most_detectors()) {
+            let listeners = Listeners::new(indices.iter().map(|index| pairs[*index]), settings);
+            let traced = match &settings.accuracy {
+                Some(accuracy) => rounds::trace(tracer, listeners, settings, accuracy, observe)?,
+                None => listeners.trace_once(tracer, settings)?,
+            };
+            for (index, response) in indices.into_iter().zip(traced) {
+                responses[index] = Some(response);
+            }
         }
-        let diffraction_milliseconds = hidden.diffraction_milliseconds();
-        let further_reflections = hidden.further_reflections();
-        paths.extend(hidden.into_paths());
-        paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
-        let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
-        paths.retain(|path| path.delay_s <= seconds && is_heard(path));
-        // If waves were given up, only the remaining waves contribute to the later decay.
-        let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
-        let ends_s = followed_s.unwrap_or(seconds);
-        let taps = taps(&paths);
-        let direct_s = direct(&paths).map(|path| path.delay_s);
-        let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);
-        if let Some(common) = late.errors {
-            figures = figures.with_common_errors(&common);
-        }
-        let record = Record::new(&taps, &echogram, ends_s);
-        let in_inner = inner.map(|inner| inner.of_figures(&record, direct_s));
-        if let Some(differences) = &in_inner {
-            figures = figures.with_bias(differences);
-        }
-        if !further_reflections.is_empty() {
-            let all = [&taps[..], &further_reflections].concat();
-            figures = figures.with_differences(Record::new(&all, &echogram, ends_s), &bands::ALL);
-        }
-        // The bias is empty without scattering.
-        if bias.bins() > 0 {
-            let mut biased = echogram.clone();
-            biased.add_scaled(&bias, &bands::ALL);
-            figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
-        }
-        let caught = Caught {
-            pair,
-            medium: &medium,
-            part: &part,
-            paths: &all_paths,
-        };
-        let figures = caught.in_errors(figures, &echogram, ends_s);
-        let heard_in = (pair, &medium);
-        let further =
-            late::further_arrival(tracer, heard_in, settings, &how, &echogram, travel_on)?;
-        let figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
-        let mut response = Response {
-            missed: part.missed(),
-            left_out: part.left_out().count() as u64,
-            left_out_share: left_out_share(&part, &medium, &paths, &echogram),
-            search_left_out_share: part.search_left_out_share(),
-            paths,
-            echogram,
-            figures,
-            seconds,
-            followed_s,
-            counts,
-            waves: settings.late_trace().waves,
-            milliseconds: 0.0,
-            diffraction_milliseconds,
-        };
-        if let Some(least_db) = settings.least_level_db {
-            least_level::raise(&mut response, pair, &medium, least_db);
-        }
-        Ok((
-            response,
-            in_inner.is_some_and(|in_inner| late::are_biased(&in_inner)),
-        ))
+        // Each pair is in one of the groups.
+        Ok(responses.into_iter().flatten().collect())
     }
 
     /// The direct sound; `None` if it is obstructed.
@@ -356,37 +269,6 @@ fn direct(paths: &[HeardPath]) -> Option<&HeardPath> {
     paths.iter().find(|path| path.is_direct())
 }
 
-/// The energy share of arrivals whose paths were not searched for.
-fn left_out_share(
-    part: &EarlyPart,
-    medium: &Medium,
-    paths: &[HeardPath],
-    echogram: &Echogram,
-) -> f64 {
-    let left_out: f64 = part.left_out().map(|a| bands::mean(&medium.heard(a))).sum();
-    if left_out > 0.0 {
-        left_out / bands::mean(&energy(echogram, paths))
-    } else {
-        0.0
-    }
-}
-
 fn taps(paths: &[HeardPath]) -> Vec<Tap> {
     paths.iter().map(HeardPath::tap).collect()
-}
-
-/// The waves that arrived early, each once, in order of number, with their start directions.
-fn start_directions(
-    tracer: &mut Tracer,
-    settings: &Settings,
-    early: &[Arrival],
-) -> Result<Vec<(u32, Vec3)>, Error> {
-    if early.is_empty() {
-        return Ok(Vec::new());
-    }
-    let mut waves: Vec<u32> = early.iter().map(|arrival| arrival.wave).collect();
-    waves.dedup();
-    let all = tracer.start_directions(settings)?;
-    let start = |wave: u32| (wave, all[wave as usize]);
-    Ok(waves.into_iter().map(start).collect())
 }

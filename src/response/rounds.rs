@@ -1,6 +1,7 @@
 //! Rounds with more and more waves, until the errors of all figures have the requested accuracy.
 
 use super::accuracy::{Accuracy, FIRST_WAVES};
+use super::shared::Listeners;
 use super::{Response, ResponseSettings};
 use crate::error::Error;
 use crate::platform::Instant;
@@ -26,59 +27,112 @@ const MOST_CUT_OFF: f64 = 1e-3;
 /// Maximum number of rounds. A factor of 4 reaches the limit of waves in four rounds, and the record may grow.
 const MOST_ROUNDS: u32 = 6;
 
-/// A round of a response with a requested accuracy.
+/// A round of responses with a requested accuracy.
 #[doc(hidden)]
 pub struct Round<'a> {
-    /// The response of this round.
-    pub response: &'a Response,
+    /// The responses of the round: of all listeners whose responses were not accurate before.
+    pub responses: &'a [Response],
+    /// Number of listeners whose responses are complete after this round.
+    pub finished: usize,
     /// Number of waves of the next round; `None` after the last round.
     pub next_waves: Option<u32>,
 }
 
-/// Traces rounds until the figures have the accuracy, or a limit is reached. `observe` receives each round.
+/// Traces rounds until the figures of all listeners have the accuracy, or a limit is reached. A listener whose figures
+/// are accurate takes no part in further rounds. `observe` receives each round.
 pub(super) fn trace(
     tracer: &mut Tracer,
-    pair: Pair,
+    listeners: Listeners,
     settings: &ResponseSettings,
     accuracy: &Accuracy,
     observe: &mut dyn FnMut(Round),
-) -> Result<Response, Error> {
-    settings.validate()?;
+) -> Result<Vec<Response>, Error> {
     let began = Instant::now();
-    let mut seconds = settings.seconds_needed(tracer, pair)?;
-    let can_grow = settings.seconds.is_none() && decays(pair);
-    let mut waves = FIRST_WAVES.min(accuracy.most_waves.unwrap_or(FIRST_WAVES));
-    let mut rounds = 0;
-    loop {
+    let mut last: Vec<Option<Response>> = vec![None; listeners.pairs().len()];
+    let (mut open, mut open_indices) = (listeners.clone(), (0..last.len()).collect::<Vec<_>>());
+    let mut next = Effort {
+        waves: FIRST_WAVES.min(accuracy.most_waves.unwrap_or(FIRST_WAVES)),
+        seconds: settings.seconds_of_pairs(tracer, listeners.pairs())?,
+    };
+    for round in 1.. {
         let of_round = ResponseSettings {
             accuracy: None,
-            seconds: Some(seconds),
+            seconds: Some(next.seconds),
             ..settings.clone()
         };
-        let mut response = Response::of_pair(tracer, pair, &of_round.with_waves(waves))?;
-        rounds += 1;
-        response.milliseconds = began.elapsed().as_secs_f64() * 1e3;
-        let most = accuracy.most_waves(response.counts.iterations);
+        let mut responses = open.trace(tracer, &of_round.with_waves(next.waves), next.seconds)?;
+        let elapsed_s = began.elapsed().as_secs_f64();
+        for response in &mut responses {
+            response.milliseconds = elapsed_s * 1e3;
+        }
         let is_late = accuracy
             .time_limit_s
-            .is_some_and(|limit_s| began.elapsed().as_secs_f64() >= limit_s);
-        let longer_s = match can_grow && is_cut_off(&response) {
-            true => (LONGER * seconds).min(settings.longest_s.max(seconds)),
-            false => seconds,
+            .is_some_and(|limit_s| elapsed_s >= limit_s);
+        let further: Vec<Option<Effort>> = match is_late || round == MOST_ROUNDS {
+            true => vec![None; responses.len()],
+            false => (responses.iter().zip(open.pairs()))
+                .map(|(response, pair)| next.further(response, *pair, settings, accuracy))
+                .collect(),
         };
-        let next = match is_late || rounds == MOST_ROUNDS {
-            true => None,
-            false => more_waves(waves, response.figures.waves_for(accuracy.share), most)
-                .or((longer_s > seconds).then_some(waves)),
-        };
+        let all = further.iter().flatten().copied().reduce(Effort::and);
         observe(Round {
-            response: &response,
-            next_waves: next,
+            responses: &responses,
+            finished: further.iter().filter(|effort| effort.is_none()).count(),
+            next_waves: all.map(|effort| effort.waves),
         });
-        let Some(next) = next else {
-            return Ok(response);
+        for (index, response) in open_indices.iter().zip(responses) {
+            last[*index] = Some(response);
+        }
+        let Some(effort) = all else {
+            break;
         };
-        (waves, seconds) = (next, longer_s);
+        let is_open = |index: &usize| further[*index].is_some();
+        let kept: Vec<usize> = (0..further.len()).filter(is_open).collect();
+        open = open.only(&kept);
+        open_indices = kept.iter().map(|index| open_indices[*index]).collect();
+        next = effort;
+    }
+    // The first round has all listeners.
+    Ok(last.into_iter().flatten().collect())
+}
+
+/// The waves of a round, and the length of its record.
+#[derive(Clone, Copy)]
+struct Effort {
+    waves: u32,
+    seconds: f64,
+}
+
+impl Effort {
+    /// The effort that serves both.
+    fn and(self, other: Effort) -> Effort {
+        Effort {
+            waves: self.waves.max(other.waves),
+            seconds: self.seconds.max(other.seconds),
+        }
+    }
+
+    /// The effort of the next round after a response of this effort; `None` if its figures are accurate, or if all
+    /// waves are spent.
+    fn further(
+        self,
+        response: &Response,
+        pair: Pair,
+        settings: &ResponseSettings,
+        accuracy: &Accuracy,
+    ) -> Option<Effort> {
+        let can_grow = settings.seconds.is_none() && decays(pair);
+        let longer_s = match can_grow && is_cut_off(response) {
+            true => (LONGER * self.seconds).min(settings.longest_s.max(self.seconds)),
+            false => self.seconds,
+        };
+        let most = accuracy.most_waves(response.counts.iterations);
+        let waves = more_waves(self.waves, response.figures.waves_for(accuracy.share), most)
+            .or((longer_s > self.seconds).then_some(self.waves))?;
+        Some(Effort {
+            waves,
+            seconds: longer_s,
+        })
     }
 }
 

@@ -58,6 +58,7 @@ impl Room {
                     let reflectance = self.reflectance(&line);
                     take(Arrival {
                         inner: 1.0,
+                        detector: 0,
                         wave,
                         is_early: false,
                         reflections: order,

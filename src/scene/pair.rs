@@ -51,14 +51,6 @@ impl<'a> Pair<'a> {
         };
         self.scene.nearest_surface(point, listener)
     }
-
-    /// Returns the pair with another listener.
-    pub(crate) fn with_listener<'b>(self, listener: &'b Listener) -> Pair<'b>
-    where
-        'a: 'b,
-    {
-        Pair { listener, ..self }
-    }
 }
 
 impl PartialEq for Pair<'_> {

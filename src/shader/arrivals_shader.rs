@@ -39,6 +39,8 @@ pub(crate) struct ArrivalsText {
     pub transmits: bool,
     /// Whether the chords in a second, inner sphere are recorded.
     pub has_inner_sphere: bool,
+    /// Number of spheres whose crossings are recorded.
+    pub detectors: u32,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
     /// Whether faces of a mesh have different materials.
@@ -70,6 +72,7 @@ impl ArrivalsText {
             scatters: materials.scatter(),
             transmits: materials.transmit(),
             has_inner_sphere: false,
+            detectors: 1,
             rooms: materials.rooms(),
             has_groups: materials.has_groups(),
         };
@@ -82,6 +85,11 @@ impl ArrivalsText {
     /// The index of the first output that is a record.
     pub fn first_record(&self) -> u32 {
         ArrivalsText::TALLY + 1 + u32::from(self.has_words)
+    }
+
+    /// Number of uniform vectors of the detectors.
+    pub fn detector_vectors(&self) -> usize {
+        self.detectors as usize * (1 + usize::from(self.has_inner_sphere))
     }
 
     /// Number of textures that a pass writes to.
@@ -115,13 +123,14 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let options = format!(
         "#define MARCHES_FIELDS {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
-         #define WORDS {}\n#define SCATTERS {}\n#define INNER_SPHERE {}\n",
+         #define WORDS {}\n#define SCATTERS {}\n#define INNER_SPHERE {}\n#define DETECTORS {}\n",
         u8::from(marches),
         text.event_bits,
         text.events_in_word(),
         text.words(),
         u8::from(text.scatters),
-        u8::from(text.has_inner_sphere)
+        u8::from(text.has_inner_sphere),
+        text.detectors
     );
     if text.event_bits > 0 {
         library.extend(materials_parts(&scene, text));

@@ -307,6 +307,18 @@ pub(crate) struct LoopsAsked {
     pub thesis_steps: u32,
     /// Maximum iterations in a pass.
     pub iterations_per_pass: u32,
+    /// Number of spheres that each flight may cross. With more than one, a loop goes through them.
+    pub detectors: u32,
+}
+
+impl LoopsAsked {
+    /// Turns of the loop over the detectors in an iteration.
+    fn detector_turns(&self) -> u64 {
+        match self.detectors {
+            0 | 1 => 0,
+            detectors => detectors.into(),
+        }
+    }
 }
 
 /// The limits of a frame's passes. They are the same on every renderer, so that results do not depend on the renderer.
@@ -328,8 +340,8 @@ impl Budget {
     /// The budget of a scene with these loops.
     pub(super) fn new(asked: &LoopsAsked, loops: &Loops) -> Budget {
         match asked.algorithm {
-            AlgorithmText::Hybrid => hybrid(loops, asked.iterations_per_pass),
-            AlgorithmText::March => march(loops, asked.iterations_per_pass),
+            AlgorithmText::Hybrid => hybrid(loops, asked),
+            AlgorithmText::March => march(loops, asked),
             AlgorithmText::Thesis => thesis(asked, loops),
         }
     }
@@ -347,8 +359,8 @@ fn thesis(asked: &LoopsAsked, loops: &Loops) -> Budget {
     work.budget(asked.iterations_per_pass, [steps, 0, 0])
 }
 
-fn march(loops: &Loops, asked: u32) -> Budget {
-    let rest = 1 + loops.projection + loops.meshes;
+fn march(loops: &Loops, asked: &LoopsAsked) -> Budget {
+    let rest = 1 + loops.projection + loops.meshes + asked.detector_turns();
     let left = MOST_TURNS.saturating_sub(rest);
     // With fields, the basic shapes may use half of the turns, and the fields use the rest.
     let share = if loops.all_fields.is_some() { 2 } else { 1 };
@@ -360,11 +372,11 @@ fn march(loops: &Loops, asked: u32) -> Budget {
         turns: rest - 1 + steps * (1 + loops.directed) + field_steps * (FIELD_TURNS + field_turns),
         evaluations: steps * (objects + loops.directed) + field_steps * (objects + field_turns),
     };
-    work.budget(asked, [steps, field_steps, 0])
+    work.budget(asked.iterations_per_pass, [steps, field_steps, 0])
 }
 
-fn hybrid(loops: &Loops, asked: u32) -> Budget {
-    let rest = 1 + loops.line + loops.projection;
+fn hybrid(loops: &Loops, asked: &LoopsAsked) -> Budget {
+    let rest = 1 + loops.line + loops.projection + asked.detector_turns();
     let left = MOST_TURNS.saturating_sub(rest);
     let copy_steps = match loops.copy_step {
         0 => 0,
@@ -380,7 +392,7 @@ fn hybrid(loops: &Loops, asked: u32) -> Budget {
         turns: rest - 1 + traversals + field_steps * (FIELD_TURNS + field_turns),
         evaluations: objects + loops.line + traversals + field_steps * (objects + field_turns),
     };
-    work.budget(asked, [0, field_steps, copy_steps])
+    work.budget(asked.iterations_per_pass, [0, field_steps, copy_steps])
 }
 
 /// The steps of a march of the fields that fit in the remaining turns, and the turns of one step. Both are 0 without

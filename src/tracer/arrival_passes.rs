@@ -1,9 +1,10 @@
 //! The passes that trace arrivals: waves that pass a transparent listener.
 
 use super::arrivals::{
-    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed,
-    ITERATIONS_BEFORE_RESAMPLING, LISTED_AT_MOST, Listed, MOST_PASSAGES, Passage, Replay, Start,
-    Transmitting, WAVES_IN_BLOCK, WavesToFollow, kept, listed_rows, open_volume, thinned,
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, Detector, DetectorDensity, EventTable,
+    Followed, ITERATIONS_BEFORE_RESAMPLING, LISTED_AT_MOST, Listed, MOST_PASSAGES, OpenVolumes,
+    Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow, compiled_detectors, kept,
+    listed_rows, most_detectors, thinned,
 };
 use super::block_waves::Waves;
 use super::gpu_scene::check_uniforms;
@@ -18,8 +19,10 @@ use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
 use crate::sampling::{hash, unit_interval};
-use crate::scene::{IntoPair, Listener, Pair, Scene, Source};
-use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
+use crate::scene::{IntoPair, Pair, Scene, Source};
+use crate::shader::{
+    self, ArrivalsText, CompiledScene, LoopsAsked, Materials, StartOrderText, Structure,
+};
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -42,7 +45,11 @@ pub(super) struct Run {
     order: StartOrderText,
     /// The values of `uMaterials`.
     materials: Vec<Vec4>,
-    /// The open volume of the listener's sphere.
+    /// The detectors' centres relative to the shaders' origin, and their radii.
+    detectors: Vec<Vec4>,
+    /// Radii of the inner spheres in metres; 0 without one.
+    inner_radii_m: Vec<f32>,
+    /// The open volume of the first detector's sphere.
     open_volume_m3: f64,
     /// Maximum iterations of a wave.
     iterations: u32,
@@ -50,8 +57,6 @@ pub(super) struct Run {
     iterations_in_chunk: u32,
     /// Whether waves of a block are replaced by waves of about equal energy.
     resamples: bool,
-    /// Radius of the inner sphere in metres; 0 without one.
-    inner_radius_m: f32,
     /// Bands that the waves carry.
     bands: Range<usize>,
     /// A block of waves is followed while its waves have more than this share of their initial energy.
@@ -153,14 +158,21 @@ impl Tracer {
         waves: &WavesToFollow,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<Followed, Error> {
-        self.arrivals_through(pair, settings, how, waves, take, None)
+        let own = [Detector::of(pair.listener)];
+        self.arrivals_through((pair, &own), settings, how, waves, take, None)
     }
 
-    /// Follows waves like [`arrivals_of`](Self::arrivals_of), and then the parts of their energy that pass solids. The
+    /// Maximum number of detectors that share the waves of a source.
+    pub(crate) fn most_detectors(&self) -> usize {
+        most_detectors(self.context.limits().max_fragment_uniform_vectors)
+    }
+
+    /// Follows waves like [`arrivals_of`](Self::arrivals_of) past all `detectors`, at most [`Self::most_detectors`], and
+    /// then the parts of their energy that pass solids. The pair's listener is the origin of the shaders' coordinates. The
     /// counts are those of the waves from the source.
     pub(crate) fn arrivals_through(
         &mut self,
-        pair: Pair,
+        (pair, detectors): (Pair, &[Detector]),
         settings: &Settings,
         how: &ArrivalSettings,
         waves: &WavesToFollow,
@@ -184,7 +196,7 @@ impl Tracer {
                 None => Materials::of(pair.scene, how.bands.clone()),
                 Some(_) => Materials::with_transmission(pair.scene, how.bands.clone()),
             };
-            let run = tracer.prepare_arrivals(pair, &settings, how, materials)?;
+            let run = tracer.prepare_arrivals((pair, detectors), &settings, how, materials)?;
             let mut counts = ArrivalCounts {
                 open_volume_m3: run.open_volume_m3,
                 ..ArrivalCounts::default()
@@ -218,7 +230,7 @@ impl Tracer {
 
     fn prepare_arrivals(
         &mut self,
-        pair: Pair,
+        (pair, detectors): (Pair, &[Detector]),
         settings: &Settings,
         how: &ArrivalSettings,
         materials: Materials,
@@ -232,12 +244,14 @@ impl Tracer {
         how.validate()?;
         let mut settings = settings.clone().with_count_evaluations(false);
         settings.algorithm = Algorithm::of(profile);
+        let compiled_detectors = compiled_detectors(detectors.len());
         let asked = loops_asked(&settings);
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let order = start_order(scene, &settings);
         let march = (asked.algorithm, settings.directions, order);
         let text = ArrivalsText {
-            has_inner_sphere: how.inner_radius_m.is_some(),
+            has_inner_sphere: detectors.iter().any(|one| one.inner_radius.is_some()),
+            detectors: compiled_detectors,
             ..ArrivalsText::new(march, &materials, how.records, outputs)
         };
         let in_chunk = text.most_iterations().unwrap_or(Settings::MAX_ITERATIONS);
@@ -247,15 +261,20 @@ impl Tracer {
                 .iterations_per_pass
                 .min(ITERATIONS_BEFORE_RESAMPLING);
         }
-        let asked = loops_asked(&settings);
+        let asked = LoopsAsked {
+            detectors: compiled_detectors,
+            ..loops_asked(&settings)
+        };
         let structure = self.check_input(scene, &settings)?;
         let values = materials.uniform_values(&structure.layout.unrolled);
-        check_materials(&self.context, scene, &structure, (&materials, &values))?;
+        let vectors = values.len() + text.detector_vectors();
+        check_materials(&self.context, scene, &structure, (&materials, vectors))?;
         // Drops a frame in progress, because its scene data are replaced.
         self.give_up_marching();
         let rebasing = asked.algorithm.rebasing(pair.listener);
         self.scene.set(scene, rebasing, structure, &materials)?;
-        let open_volume_m3 = open_volume(pair);
+        let of_detector = |one: &Detector| one.open_volumes(scene);
+        let volumes: Vec<OpenVolumes> = detectors.par_iter().map(of_detector).collect();
         // Without scattering the copies of a wave would stay together.
         let materials_scatter = materials.scatter();
         let compiled = &self.scene.compiled;
@@ -270,22 +289,34 @@ impl Tracer {
         };
         let (budget, now) = (compiled.budget(&asked), Instant::now());
         let frame = PreparedFrame::new(pair, &settings, compiled, budget, programs, now);
+        let detector_values = detector_values(compiled, detectors, compiled_detectors);
         self.provide_arrival_targets(&settings, &text)?;
         Ok(Run {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
             order,
-            replay: replay(
-                pair,
-                &settings,
-                how,
-                (materials, open_volume_m3),
-                frame.origin,
-            ),
-            open_volume_m3,
+            replay: Replay {
+                early_order: how.early_order,
+                length_limit: how.seconds * scene.speed_of_sound(),
+                chord_unit: 4.0
+                    * detectors
+                        .iter()
+                        .map(|one| f64::from(one.radius))
+                        .fold(0.0, f64::max),
+                detectors: (volumes.iter())
+                    .map(|volumes| DetectorDensity::of(volumes, settings.waves))
+                    .collect(),
+                has_inner_spheres: text.has_inner_sphere,
+                events: EventTable::of(materials),
+                origin: frame.origin.as_dvec3(),
+            },
+            detectors: detector_values,
+            inner_radii_m: (detectors.iter())
+                .map(|one| one.inner_radius.unwrap_or(0.0))
+                .collect(),
+            open_volume_m3: volumes.first().map_or(0.0, |volumes| volumes.whole),
             iterations: how.iterations,
             resamples: how.resamples && materials_scatter,
-            inner_radius_m: how.inner_radius_m.unwrap_or(0.0),
             least_energy: how.least_energy,
             bands: how.bands.clone(),
             frame,
@@ -420,7 +451,8 @@ impl Tracer {
         run.program.set_f32("uLengthLimit", limit as f32);
         let scale = 1.0 / run.replay.chord_unit;
         run.program.set_f32("uChordScale", scale as f32);
-        run.program.set_f32("uInnerRadius", run.inner_radius_m);
+        run.program.set_vec4_array("uDetectors", &run.detectors);
+        run.program.set_f32_array("uInnerRadii", &run.inner_radii_m);
         run.program.set_vec4_array("uMaterials", &run.materials);
         if let Some(events) = &run.replay.events {
             let count = events.materials().count();
@@ -544,7 +576,7 @@ fn check_materials(
     context: &Context,
     scene: &Scene,
     structure: &Structure,
-    (materials, values): (&Materials, &[Vec4]),
+    (materials, vectors): (&Materials, usize),
 ) -> Result<(), TraceError> {
     let bits = materials.bits();
     if bits > Materials::MOST_BITS {
@@ -557,37 +589,14 @@ fn check_materials(
     if materials.is_empty() {
         return Ok(());
     }
-    check_uniforms(context, scene, structure, OWN_VECTORS + values.len())
+    check_uniforms(context, scene, structure, OWN_VECTORS + vectors)
 }
 
-fn replay(
-    pair: Pair,
-    settings: &Settings,
-    how: &ArrivalSettings,
-    (of, volume): (Materials, f64),
-    origin: Vec3,
-) -> Replay {
-    let density = match volume > 0.0 {
-        true => 1.0 / (volume * f64::from(settings.waves)),
-        false => 0.0,
-    };
-    let inner = how.inner_radius_m.map(|radius| {
-        let listener = Listener {
-            radius,
-            ..pair.listener.clone()
-        };
-        match open_volume(pair.with_listener(&listener)) {
-            inner if inner > 0.0 => volume / inner,
-            _ => 0.0,
-        }
-    });
-    Replay {
-        inner,
-        early_order: how.early_order,
-        length_limit: how.seconds * pair.scene.speed_of_sound(),
-        chord_unit: 4.0 * f64::from(pair.listener.radius),
-        density,
-        events: EventTable::of(of),
-        origin: origin.as_dvec3(),
-    }
+/// The values of `uDetectors` for a pass that is compiled for this number of detectors: centre and radius. Nothing
+/// crosses the spheres of radius 0 that fill the array.
+fn detector_values(compiled: &CompiledScene, detectors: &[Detector], number: u32) -> Vec<Vec4> {
+    let value = |one: &Detector| compiled.local(one.position).extend(one.radius);
+    let mut values: Vec<Vec4> = detectors.iter().map(value).collect();
+    values.resize(number as usize, Vec4::ZERO);
+    values
 }

@@ -45,7 +45,9 @@ pub use crate::shader::Directions;
 use crate::shader::{Materials, StartOrderText, Structure};
 use arrivals::ArrivalTargets;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
-pub(crate) use arrivals::{FarEnd, Followed, SolidHit, Start, Transmitting, WavesToFollow};
+pub(crate) use arrivals::{
+    Detector, FarEnd, Followed, SolidHit, Start, Transmitting, WavesToFollow,
+};
 pub use error::TraceError;
 #[cfg(not(target_arch = "wasm32"))]
 pub use field_trial::answer_field_trial;

@@ -6,9 +6,10 @@ use echomarch::error::Error;
 use echomarch::geometry::ExactScene;
 use echomarch::offline::{FullSettings, Timing, render_full};
 use echomarch::response::{Response, ResponseSettings};
-use echomarch::scene::SceneError;
+use echomarch::scene::shape::Cuboid;
+use echomarch::scene::{Material, SceneError};
 use echomarch::tracer::ArrivalSettings;
-use echomarch::{Listener, Profile, Scene, Settings, Source, Tracer};
+use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::Vec3;
 
 /// A room with walls and pillars, two sources and two listeners.
@@ -81,6 +82,59 @@ fn a_pair_is_heard_as_if_it_were_alone() {
         let wave = |exact: ExactScene| exact.trace(start, -start, 8);
         let [exact, own] = [ExactScene::new(pair), ExactScene::new(&alone)];
         assert_eq!(wave(exact.unwrap()), wave(own.unwrap()));
+    }
+}
+
+/// Protects listeners that share the waves of a source: the exact paths of each are those that it has alone, and its
+/// figures agree within their errors. A pair of its own is the same, bit for bit.
+#[test]
+fn listeners_that_share_waves_hear_what_they_hear_alone() {
+    let (mut scene, mut tracer) = (Scene::builtin("shoebox").unwrap(), tracer());
+    let pillar = Surface::new(Cuboid {
+        size: Vec3::new(0.4, 2.0, 0.5),
+    });
+    scene.surfaces.push(pillar.at(Vec3::new(0.5, -0.4, 1.0)));
+    scene.sources.push(Source::at(Vec3::new(1.0, 0.5, 2.0)));
+    scene
+        .listeners
+        .push(Listener::at(Vec3::new(-1.5, 0.3, 0.4), 0.2));
+    let wall = Material::absorbing(0.4).scattering_by(0.2);
+    scene.materials.insert("wall".to_owned(), wall);
+    for surface in &mut scene.surfaces {
+        surface.material = Some("wall".to_owned());
+    }
+    let settings = ResponseSettings::default().with_trace(Settings::default().with_waves(16_384));
+    let pairs = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(s, l)| scene.pair(s, l).unwrap());
+    let all = Response::trace_pairs(&mut tracer, &pairs, &settings).unwrap();
+    assert_eq!(all.len(), pairs.len());
+    for (pair, shared) in pairs.into_iter().zip(&all) {
+        let [alone] = &Response::trace_pairs(&mut tracer, &[pair], &settings).unwrap()[..] else {
+            panic!("one pair has one response");
+        };
+        let own = Response::trace(&mut tracer, pair, &settings).unwrap();
+        assert_eq!((&alone.paths, &alone.figures), (&own.paths, &own.figures));
+        assert_eq!(shared.paths.len(), own.paths.len());
+        for (path, of) in shared.paths.iter().zip(&own.paths) {
+            assert_eq!(path.path.surfaces, of.path.surfaces);
+            assert!((path.delay_s - of.delay_s).abs() < 1e-9);
+        }
+        let mut compared = 0;
+        for band in 0..8 {
+            let [a, b] = [shared, &own].map(|response| &response.figures.bands[band]);
+            let [ea, eb] = [shared, &own].map(|response| &response.figures.errors[band]);
+            let figures = a.list().into_iter().zip(b.list());
+            for ((a, b), (ea, eb)) in figures.zip(ea.list().into_iter().zip(eb.list())) {
+                if let (Some(a), Some(b), Some(ea), Some(eb)) = (a, b, ea, eb) {
+                    compared += 1;
+                    // Some 200 figures are compared, and few of their errors have more than 16 degrees of freedom.
+                    assert!(
+                        (a - b).abs() <= 5.0 * ea.hypot(eb),
+                        "{a} ± {ea}, {b} ± {eb}"
+                    );
+                }
+            }
+        }
+        assert!(compared > 24, "{compared}");
     }
 }
 

@@ -21,7 +21,8 @@ use echomarch::audio::Sound;
 use echomarch::hrtf::HrirSet;
 use echomarch::internals::file_output::{check_file, write_whole};
 use echomarch::response::{Format, ImpulseSettings, ResponseError};
-use echomarch::response::{Response, ResponseSettings};
+use echomarch::response::{Response, ResponseSettings, Round};
+use echomarch::scene::Pair;
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
 use file_names::FileNames;
 use pairs::NamedPair;
@@ -129,16 +130,17 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let mut tracer = common.tracer()?;
     notes::tell_first(common, &scene);
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
-    let mut heard: Vec<(NamedPair, Response)> = Vec::new();
-    for (index, pair) in pairs.into_iter().enumerate() {
-        let response = Response::trace_observed(&mut tracer, pair.pair, &settings, &mut |round| {
-            bar.set_message(accuracy::of_round(&settings, &round));
-        })?;
-        files::write(arguments, &format, &pair, &response, |given| {
+    let traced: Vec<Pair> = pairs.iter().map(|pair| pair.pair).collect();
+    let mut observe = |round: Round| {
+        bar.inc(round.finished as u64);
+        bar.set_message(accuracy::of_round(&settings, &round));
+    };
+    let responses = Response::trace_pairs_observed(&mut tracer, &traced, &settings, &mut observe)?;
+    let heard: Vec<(NamedPair, Response)> = pairs.into_iter().zip(responses).collect();
+    for (index, (pair, response)) in heard.iter().enumerate() {
+        files::write(arguments, &format, pair, response, |given| {
             names.file(given, index)
         })?;
-        heard.push((pair, response));
-        bar.inc(1);
     }
     bar.finish_and_clear();
     if let Some(file) = &arguments.csv {

@@ -94,7 +94,8 @@ impl Figures {
 
     /// The factor by which the number of waves must grow until every figure has this accuracy. 1 or less if all have
     /// it. Figures that are not defined, and errors that do not come from noise, ask for no waves.
-    pub(crate) fn waves_for(&self, accuracy: f64) -> f64 {
+    #[doc(hidden)]
+    pub fn waves_for(&self, accuracy: f64) -> f64 {
         let bands = 0..BAND_COUNT;
         let factors = bands.flat_map(|band| (0..FIGURE_COUNT).map(move |figure| (band, figure)));
         factors

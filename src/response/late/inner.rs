@@ -5,7 +5,6 @@
 //! difference less its variance estimates the square of the bias, which becomes part of the errors. If the differences
 //! exceed their noise in most bands, the sphere of late arrivals is rejected, and the listener's own sphere is used.
 
-use super::sphere::LateSphere;
 use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
 use crate::response::{Arrival, Differences, Echogram, Record};
@@ -21,20 +20,15 @@ pub(in crate::response) struct Difference {
 /// variances, on the average over the bands: four standard deviations.
 const MOST_TIMES_VARIANCE: f64 = 16.0;
 
-/// The difference that a response collects, if the two spheres are compared.
-pub(super) fn heard_in_inner<'a>(
-    difference: &'a mut Option<Difference>,
-    late: &LateSphere,
-    like: &Echogram,
-) -> Option<&'a mut Difference> {
-    late.inner_m?;
-    Some(difference.get_or_insert_with(|| Difference {
-        wide: like.without_arrivals(),
-        inner: like.without_arrivals(),
-    }))
-}
-
 impl Difference {
+    /// No arrivals, with the bins of `like`.
+    pub fn none(like: &Echogram) -> Difference {
+        Difference {
+            wide: like.without_arrivals(),
+            inner: like.without_arrivals(),
+        }
+    }
+
     /// Adds an arrival to both spheres.
     pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
         medium.add(&mut self.wide, arrival);

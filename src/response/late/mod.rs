@@ -22,13 +22,12 @@ use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Pair;
 use crate::tracer::{
-    ArrivalCounts, ArrivalSettings, Followed, Settings, SolidHit, Tracer, Transmitting,
+    ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer, Transmitting,
     WavesToFollow,
 };
 use crate::{bands, shader};
 use glam::Vec3;
 use importance::Importance;
-use inner::heard_in_inner;
 pub(super) use inner::{Difference, are_biased};
 use pilot::Pilot;
 use sphere::NearScattering;
@@ -51,72 +50,91 @@ const CROSSINGS_IN_CHUNK: f64 = 2.0;
 /// Minimum number of iterations in a chunk.
 const LEAST_ITERATIONS: u32 = 8;
 
-/// The arrivals of all waves.
+/// A pair whose listener shares the waves of the source with other listeners.
+#[derive(Clone, Copy)]
+pub(super) struct Heard<'a> {
+    pub pair: Pair<'a>,
+    pub medium: &'a Medium,
+    /// The sphere in which late arrivals are counted.
+    pub late: LateSphere,
+}
+
+/// The arrivals of all waves at one listener.
 pub(super) struct Arrivals {
-    /// Arrivals that remain statistical.
-    pub echogram: Echogram,
+    pub sums: Sums,
     /// The possible bias from the larger sphere alone: one standard deviation of the energy.
     pub bias: Echogram,
     pub counts: ArrivalCounts,
     /// Early arrivals, counted in the listener's own sphere.
     pub early: Vec<Arrival>,
-    /// Arrivals that have passed solids and were not reflected.
-    pub straight: Echogram,
-    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
-    pub inner: Option<Difference>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,
 }
 
-/// Traces the waves; `echogram` defines the bins.
+/// Sums of arrivals that no exact path replaces.
+#[derive(Clone)]
+pub(super) struct Sums {
+    /// Arrivals that remain statistical.
+    pub echogram: Echogram,
+    /// Arrivals that have passed solids and were not reflected.
+    pub straight: Echogram,
+    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
+    pub inner: Option<Difference>,
+}
+
+impl Arrivals {
+    /// No arrivals; `echogram` defines the bins.
+    fn none(late: &LateSphere, echogram: Echogram) -> Arrivals {
+        Arrivals {
+            bias: echogram.without_arrivals(),
+            sums: Sums {
+                straight: echogram.without_arrivals(),
+                inner: (late.inner_m.is_some()).then(|| Difference::none(&echogram)),
+                echogram,
+            },
+            counts: ArrivalCounts::of_none(),
+            early: Vec::new(),
+            travel_on: None,
+        }
+    }
+}
+
+/// Traces the waves past all listeners, which have one source. The echograms define the bins.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
-    heard_in: (Pair, &Medium, LateSphere),
+    heard: &[Heard],
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    echogram: Echogram,
-) -> Result<Arrivals, Error> {
-    let mut found = Arrivals {
-        bias: echogram.without_arrivals(),
-        straight: echogram.without_arrivals(),
-        inner: None,
-        echogram,
-        counts: ArrivalCounts::of_none(),
-        early: Vec::new(),
-        travel_on: None,
+    echograms: Vec<Echogram>,
+) -> Result<Vec<Arrivals>, Error> {
+    let none = |(one, echogram): (&Heard, Echogram)| Arrivals::none(&one.late, echogram);
+    let mut found: Vec<Arrivals> = heard.iter().zip(echograms).map(none).collect();
+    let Some(first) = heard.first() else {
+        return Ok(found);
     };
-    let solids = transmission::solids(heard_in.0, settings)?;
+    let solids = transmission::solids(first.pair, settings)?;
     let how = ArrivalSettings {
         resamples: true,
         ..how.clone()
     };
-    for bands in shader::band_groups(heard_in.0.scene) {
+    for bands in shader::band_groups(first.pair.scene) {
         let how = how
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
-        let heard_in = (heard_in, solids.as_ref());
-        let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
-        found.counts = found.counts.and(counts);
-        // The arrivals come in chunks of iterations for each band group in turn.
-        found.early.sort_by(in_order);
-        found
-            .early
-            .dedup_by(|second, first| is_added(first, second));
+        let (counts, travel_on) =
+            add_arrivals(&mut found, tracer, (heard, solids.as_ref()), settings, &how)?;
+        for found in &mut found {
+            found.counts = found.counts.and(counts);
+            found.travel_on = travel_on;
+            // The arrivals come in chunks of iterations for each band group in turn.
+            found.early.sort_by(in_order);
+            found
+                .early
+                .dedup_by(|second, first| is_added(first, second));
+        }
     }
     Ok(found)
-}
-
-/// Adds arrivals behind solids to `straight` if they were not reflected, and passes all others to `add`.
-fn unreflected_apart<'a>(
-    medium: &'a Medium,
-    straight: &'a mut Echogram,
-    add: &'a dyn Fn(&Arrival),
-) -> impl FnMut(Arrival) + 'a {
-    move |arrival| match arrival.reflections {
-        0 => medium.add(straight, &arrival),
-        _ => add(&arrival),
-    }
 }
 
 /// Orders arrivals by wave, and along each wave by time.
@@ -135,90 +153,123 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Adds the arrivals of the waves that carry all of `how.bands`, and returns their counts.
+/// Adds the arrivals of the waves that carry all of `how.bands`. Returns their counts, and whether waves travel on
+/// ([`Arrivals::travel_on`]).
 fn add_arrivals(
-    found: &mut Arrivals,
+    found: &mut [Arrivals],
     tracer: &mut Tracer,
-    ((pair, medium, late), solids): ((Pair, &Medium, LateSphere), Option<&ExactScene>),
+    (heard, solids): (&[Heard], Option<&ExactScene>),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-) -> Result<ArrivalCounts, Error> {
-    let inner = heard_in_inner(&mut found.inner, &late, &found.echogram);
-    let (echogram, early) = (&mut found.echogram, &mut found.early);
-    let all = WavesToFollow::Numbers(0..settings.trace.waves);
-    let share = (pair.listener.radius / late.radius_m).powi(2);
+) -> Result<(ArrivalCounts, Option<bool>), Error> {
+    let pair = heard[0].pair;
     let trace = settings.late_trace();
-    if share >= 1.0 && trace == settings.trace {
-        let echogram = RefCell::new(echogram);
-        let add = |arrival: &Arrival| medium.add(*echogram.borrow_mut(), arrival);
-        let mut sort = |arrival: Arrival| match arrival.is_early {
-            true => early.push(arrival),
-            false => add(&arrival),
-        };
-        let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids?, hit);
-        let straight = &mut found.straight;
-        let mut passed = unreflected_apart(medium, straight, &add);
-        let passing = solids.is_some().then_some(Transmitting {
-            through: &through,
-            take: &mut passed,
-        });
-        let followed =
-            tracer.arrivals_through(pair, &settings.trace, how, &all, &mut sort, passing)?;
-        return Ok(followed.counts());
-    }
-    let few = how.clone().with_iterations(how.early_order + 1);
-    let few = few.with_least_energy(0.0);
-    let mut near = NearScattering::new(pair, &late, echogram);
-    let mut sort = |arrival: Arrival| match arrival.is_early {
-        true => early.push(arrival),
-        false => medium.add(&mut near.own, &arrival),
+    let are_own = heard.iter().all(|one| !one.is_widened());
+    let (waves, mut near) = match are_own && trace == settings.trace {
+        true => (settings.trace.clone(), None),
+        false => (trace, Some(NearListeners::none(heard, found))),
     };
-    let counts = tracer
-        .arrivals_of(pair, &settings.trace, &few, &all, &mut sort)?
-        .counts;
-    let wide = late.widened(pair.listener);
     let mut how = how.clone();
-    let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
-    how.inner_radius_m = late.inner_m;
-    how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
-    let late = LateWaves {
-        tracer,
-        pair: pair.with_listener(&wide),
-        how: &how,
-        medium,
-        solids,
-        echogram,
-        inner,
-        straight: &mut found.straight,
-        near: &mut near.wide,
-    };
+    let mut travel_on = None;
+    if let Some(near) = &mut near {
+        let counts = near.trace(tracer, heard, settings, &how, found)?;
+        let crossings = near.growth * crossings_an_iteration(&counts);
+        how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
+        // With scattering, sound is late after fewer reflections.
+        travel_on = (!pair.scene.scatters()).then_some(counts.cut_off > 0);
+    }
     // Surfaces that focus sound spread waves of one direction, so pilot waves predict little in such scenes.
-    let pilot_waves = match share < 1.0 {
-        true => importance::pilot_waves(pair.scene, &how.bands, &trace),
-        false => 0,
+    let pilot_waves = match are_own {
+        true => 0,
+        false => importance::pilot_waves(pair.scene, &how.bands, &waves),
     };
-    let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
-    near.add_to(echogram, &mut found.bias);
-    // With scattering, sound is late after fewer reflections.
-    found.travel_on = (!pair.scene.scatters()).then_some(counts.cut_off > 0);
-    Ok(followed.counts())
+    let wide = |one: &Heard| one.late.detector(one.pair.listener);
+    let detectors: Vec<Detector> = heard.iter().map(wide).collect();
+    let mut late = LateWaves {
+        tracer,
+        heard,
+        detectors: &detectors,
+        how: &how,
+        solids,
+        found,
+        near: near.as_mut().map(|near| &mut near.listeners[..]),
+    };
+    let followed = match late.near.is_some() {
+        true => late.follow_all(&waves, pilot_waves, settings.batches)?,
+        // These waves are also the waves of early arrivals, whose directions the settings determine.
+        false => late.follow(&waves, &WavesToFollow::Numbers(0..waves.waves), None)?,
+    };
+    if let Some(near) = near {
+        for (near, found) in near.listeners.iter().zip(found) {
+            near.add_to(&mut found.sums.echogram, &mut found.bias);
+        }
+    }
+    Ok((followed.counts(), travel_on))
 }
 
-/// Waves whose late arrivals are added to an echogram.
+/// Sound scattered after few reflections, at all listeners.
+struct NearListeners {
+    listeners: Vec<NearScattering>,
+    /// The ratio of the cross sections of the detectors of late arrivals and of the listeners.
+    growth: f64,
+}
+
+impl NearListeners {
+    fn none(heard: &[Heard], found: &[Arrivals]) -> NearListeners {
+        let none = |(one, found): (&Heard, &Arrivals)| {
+            NearScattering::new(one.pair, &one.late, &found.sums.echogram)
+        };
+        let square = |radius_m: f32| f64::from(radius_m).powi(2);
+        let late: f64 = heard.iter().map(|one| square(one.late.radius_m)).sum();
+        let own = heard.iter().map(|one| square(one.pair.listener.radius));
+        NearListeners {
+            listeners: heard.iter().zip(found).map(none).collect(),
+            growth: late / own.sum::<f64>(),
+        }
+    }
+
+    /// Traces the waves of early arrivals past the listeners' own spheres.
+    fn trace(
+        &mut self,
+        tracer: &mut Tracer,
+        heard: &[Heard],
+        settings: &ResponseSettings,
+        how: &ArrivalSettings,
+        found: &mut [Arrivals],
+    ) -> Result<ArrivalCounts, Error> {
+        let few = how.clone().with_iterations(how.early_order + 1);
+        let few = few.with_least_energy(0.0);
+        let all = WavesToFollow::Numbers(0..settings.trace.waves);
+        let own: Vec<Detector> = heard
+            .iter()
+            .map(|one| Detector::of(one.pair.listener))
+            .collect();
+        let mut sort = |arrival: Arrival| {
+            let of = arrival.detector as usize;
+            match arrival.is_early {
+                true => found[of].early.push(arrival),
+                false => heard[of].medium.add(&mut self.listeners[of].own, &arrival),
+            }
+        };
+        let heard_in = (heard[0].pair, &own[..]);
+        let followed =
+            tracer.arrivals_through(heard_in, &settings.trace, &few, &all, &mut sort, None)?;
+        Ok(followed.counts)
+    }
+}
+
+/// Waves whose late arrivals are added to the echograms of the listeners.
 struct LateWaves<'a> {
     tracer: &'a mut Tracer,
-    pair: Pair<'a>,
+    heard: &'a [Heard<'a>],
+    detectors: &'a [Detector],
     how: &'a ArrivalSettings,
-    medium: &'a Medium,
     /// The solids that waves may pass; `None` without transmission.
     solids: Option<&'a ExactScene>,
-    echogram: &'a mut Echogram,
-    /// The arrivals of `echogram` in the inner sphere, if they are counted.
-    inner: Option<&'a mut Difference>,
-    /// Sound that has passed solids and was not reflected.
-    straight: &'a mut Echogram,
-    /// Sound scattered after few reflections; empty if there are pilot waves, because these are only mirrored.
-    near: &'a mut Echogram,
+    found: &'a mut [Arrivals],
+    /// Sound scattered after few reflections, if other waves have traced early arrivals. It is empty if there are pilot
+    /// waves, because these are only mirrored. `None` if these waves trace early arrivals too.
+    near: Option<&'a mut [NearScattering]>,
 }
 
 impl LateWaves<'_> {
@@ -232,8 +283,7 @@ impl LateWaves<'_> {
         if pilot_waves == 0 {
             return self.follow_without_pilot(trace, batches);
         }
-        let before = [self.echogram.clone(), self.straight.clone()];
-        let inner_before = self.inner.as_deref().cloned();
+        let before: Vec<Sums> = self.found.iter().map(|found| found.sums.clone()).collect();
         let half = pilot_waves / 2;
         let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
         pilot.begin(half);
@@ -246,9 +296,8 @@ impl LateWaves<'_> {
             return Ok(first.and(self.follow(trace, &numbers, None)?));
         };
         let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
-        [*self.echogram, *self.straight] = before;
-        if let (Some(inner), Some(before)) = (self.inner.as_deref_mut(), inner_before) {
-            *inner = before;
+        for (found, before) in self.found.iter_mut().zip(before) {
+            found.sums = before;
         }
         let waves = trace.waves - pilot_waves;
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
@@ -259,7 +308,7 @@ impl LateWaves<'_> {
     /// lobe. Otherwise they are even.
     fn follow_without_pilot(mut self, trace: &Settings, batches: usize) -> Result<Followed, Error> {
         let waves = trace.waves;
-        let source = self.pair.source;
+        let source = self.heard[0].pair.source;
         let Some(importance) = Importance::of_source(source, &self.how.bands, trace) else {
             return self.follow(trace, &WavesToFollow::Numbers(0..waves), None);
         };
@@ -299,39 +348,64 @@ impl LateWaves<'_> {
         waves: &WavesToFollow,
         pilot: Option<&mut Pilot>,
     ) -> Result<Followed, Error> {
-        let (scene, medium, solids) = (self.pair.scene, self.medium, self.solids);
+        let (pair, heard, solids) = (self.heard[0].pair, self.heard, self.solids);
         let early_order = self.how.early_order;
-        let late = RefCell::new((&mut *self.echogram, self.inner.as_deref_mut(), pilot));
+        let late = RefCell::new((&mut *self.found, pilot));
+        let mut near = self.near.as_deref_mut();
         let add = |arrival: &Arrival| {
-            let (echogram, inner, pilot) = &mut *late.borrow_mut();
-            medium.add(echogram, arrival);
-            if let Some(inner) = inner {
-                inner.add(medium, arrival);
-            }
+            let (found, pilot) = &mut *late.borrow_mut();
+            let of = arrival.detector as usize;
+            let medium = heard[of].medium;
+            found[of].sums.add(medium, arrival);
             if let Some(pilot) = pilot {
                 let seconds = arrival.length_m / medium.speed;
                 pilot.add(arrival.wave, seconds, &medium.heard(arrival));
             }
         };
-        let near = &mut *self.near;
         let mut take = |arrival: Arrival| {
-            if arrival.is_early {
-                return;
-            }
-            match arrival.reflections <= early_order {
-                true => medium.add(near, &arrival),
-                false => add(&arrival),
+            let of = arrival.detector as usize;
+            match &mut near {
+                Some(_) if arrival.is_early => (),
+                Some(near) if arrival.reflections <= early_order => {
+                    heard[of].medium.add(&mut near[of].wide, &arrival);
+                }
+                None if arrival.is_early => late.borrow_mut().0[of].early.push(arrival),
+                _ => add(&arrival),
             }
         };
-        let through = |hit: &SolidHit| transmission::of_wave(scene, solids?, hit);
-        let straight = &mut *self.straight;
-        let mut passed = unreflected_apart(medium, straight, &add);
+        let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids?, hit);
+        let mut passed = |arrival: Arrival| match arrival.reflections {
+            0 => {
+                let of = arrival.detector as usize;
+                let sums = &mut late.borrow_mut().0[of].sums;
+                heard[of].medium.add(&mut sums.straight, &arrival);
+            }
+            _ => add(&arrival),
+        };
         let passing = solids.is_some().then_some(Transmitting {
             through: &through,
             take: &mut passed,
         });
+        let heard_in = (pair, self.detectors);
         self.tracer
-            .arrivals_through(self.pair, trace, self.how, waves, &mut take, passing)
+            .arrivals_through(heard_in, trace, self.how, waves, &mut take, passing)
+    }
+}
+
+impl Heard<'_> {
+    /// Whether the sphere of late arrivals is larger than the listener.
+    fn is_widened(&self) -> bool {
+        self.late.radius_m > self.pair.listener.radius
+    }
+}
+
+impl Sums {
+    /// Adds a late arrival.
+    fn add(&mut self, medium: &Medium, arrival: &Arrival) {
+        medium.add(&mut self.echogram, arrival);
+        if let Some(inner) = &mut self.inner {
+            inner.add(medium, arrival);
+        }
     }
 }
 

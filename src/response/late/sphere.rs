@@ -21,6 +21,7 @@
 use crate::bands::{BAND_COUNT, Bands};
 use crate::response::{CommonErrors, Echogram};
 use crate::scene::{Listener, Node, Pair, Scene, Surface};
+use crate::tracer::Detector;
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as accurate as with 0.3 m. The bias of the
 /// mean over the sphere is still below the noise; with 1.5 m the bias exceeds the noise.
@@ -115,11 +116,12 @@ impl LateSphere {
         }
     }
 
-    /// The listener with this sphere.
-    pub fn widened(&self, listener: &Listener) -> Listener {
-        Listener {
+    /// The detector of a listener's late arrivals.
+    pub fn detector(&self, listener: &Listener) -> Detector {
+        Detector {
+            position: listener.position,
             radius: self.radius_m,
-            ..listener.clone()
+            inner_radius: self.inner_m,
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::response::{Arrival, PathKind, Response, ResponseSettings};
 use crate::scene::shape::{Cuboid, Prism, Room};
 use crate::scene::{Directivity, Material, Transmission};
 use crate::test_common::tracer;
-use crate::tracer::{ArrivalSettings, FarEnd, SolidHit, Transmitting, WavesToFollow};
+use crate::tracer::{ArrivalSettings, Detector, FarEnd, SolidHit, Transmitting, WavesToFollow};
 use crate::{Listener, Scene, Settings, Source, Surface};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::PI;
@@ -156,7 +156,14 @@ fn waves_bring_the_energy_of_the_transmitted_path() {
     let (pair, how) = (scene.only_pair().unwrap(), ArrivalSettings::new(0.1));
     let take = &mut |_| panic!("no wave from the source arrives");
     tracer()
-        .arrivals_through(pair, &settings, &how, &waves, take, Some(transmitting))
+        .arrivals_through(
+            (pair, &[Detector::of(pair.listener)]),
+            &settings,
+            &how,
+            &waves,
+            take,
+            Some(transmitting),
+        )
         .unwrap();
     // Chords of a sphere vary by 35 %: five standard errors.
     let error = 5.0 * 1.06 / crossings.sqrt();
@@ -310,7 +317,14 @@ fn the_shader_records_half_of_the_hits() {
         };
         let take = &mut |_| ();
         tracer
-            .arrivals_through(pair, &settings, &how, &waves, take, Some(transmitting))
+            .arrivals_through(
+                (pair, &[Detector::of(pair.listener)]),
+                &settings,
+                &how,
+                &waves,
+                take,
+                Some(transmitting),
+            )
             .unwrap();
         let hits = hits.into_inner().unwrap();
         for hit in &hits {

@@ -1,5 +1,6 @@
 //! Arrivals: every crossing of the listener's sphere by every wave, with its energy.
-//! [`Tracer::arrivals`](super::Tracer::arrivals) returns them.
+//! [`Tracer::arrivals`](super::Tracer::arrivals) returns them. Several listeners may share the waves of a source: each
+//! has a [`Detector`].
 //!
 //! The listener is transparent here. A pass (`glsl/arrivals/`) traces the waves of a *block* through a *chunk* of
 //! iterations, and writes a record for each crossing, up to a maximum number of records per wave. The records are read
@@ -11,13 +12,15 @@
 //! | --- | --- |
 //! | `events.rs` | the energy that a wave keeps after reflections |
 //! | `settings.rs` | settings, the waves to follow and their starts, and counts |
-//! | `volume.rs` | the open volume of the listener's sphere |
+//! | `detectors.rs` | the spheres in which crossings are counted |
+//! | `volume.rs` | the open volume of a sphere |
 //! | `targets.rs` | textures, and their read-back |
 //! | `passages.rs` | the parts of waves that continue through solids |
 //! | `replay.rs` | the computation of arrivals from records |
 //! | `resampling.rs` | waves of about equal energy |
 //! | `../tracer/arrival_passes.rs` | the passes |
 
+mod detectors;
 mod events;
 mod passages;
 mod replay;
@@ -26,13 +29,15 @@ mod settings;
 mod targets;
 mod volume;
 
+pub(crate) use detectors::Detector;
+pub(super) use detectors::{OpenVolumes, compiled_detectors, most_detectors};
 pub(super) use events::EventTable;
 pub(crate) use passages::{FarEnd, SolidHit, Transmitting};
 pub(super) use passages::{
     LEAST_GENERATION, MOST_GENERATIONS, MOST_PASSAGES, PASSAGE_SHARE, Passage, kept,
     kept_beside_waves, loudest, thinned,
 };
-pub(super) use replay::{Block, Listed, Replay};
+pub(super) use replay::{Block, DetectorDensity, Listed, Replay};
 pub(super) use resampling::ITERATIONS_BEFORE_RESAMPLING;
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use settings::{Followed, Start, WavesToFollow};

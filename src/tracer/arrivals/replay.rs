@@ -2,9 +2,9 @@
 
 use super::super::Grid;
 use super::super::start_order::StartOrder;
-use super::ArrivalCounts;
 use super::events::{EventTable, Events};
 use super::passages::Passage;
+use super::{ArrivalCounts, OpenVolumes};
 use crate::arrival::Arrival;
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
@@ -13,7 +13,10 @@ use std::rc::Rc;
 
 /// The factor of the fate in a tally, which is the number of crossings plus this factor times the fate
 /// (`glsl/arrivals/chunk.frag`).
-const CROSSINGS: u32 = 1024;
+const CROSSINGS: u32 = 16_384;
+
+/// The factor of the detector in the whole part of a record, which also holds the iteration (`glsl/arrivals/flight.glsl`).
+const ITERATIONS: u32 = 64;
 
 /// A record with a greater fraction is a passage. The fraction of a crossing is at most 0.5, and that of a passage is
 /// 0.75 (`glsl/arrivals/passages.glsl`).
@@ -28,14 +31,44 @@ pub struct Replay {
     pub length_limit: f64,
     /// Length in metres of a chord recorded as 1.
     pub chord_unit: f64,
-    /// The ratio of the open volumes of the listener's sphere and of the inner sphere; `None` without an inner sphere.
-    pub inner: Option<f64>,
-    /// Energy density per metre of chord of a wave without losses: 1 / (V N), in 1/m³.
-    pub density: f64,
+    /// The spheres in which crossings are counted.
+    pub detectors: Vec<DetectorDensity>,
+    /// Whether records hold the chord in an inner sphere.
+    pub has_inner_spheres: bool,
     /// The effect of reflections; `None` if no surface absorbs or scatters.
     pub events: Option<EventTable>,
     /// World position of the shaders' origin in metres.
     pub origin: DVec3,
+}
+
+/// The energy densities of crossings of a detector.
+#[derive(Clone, Copy, Debug)]
+pub struct DetectorDensity {
+    /// Energy density per metre of chord of a wave without losses: 1 / (V N), in 1/m³; 0 if the volume is.
+    pub density: f64,
+    /// The ratio of the open volumes of the detector's sphere and of its inner sphere; `None` without an inner sphere.
+    pub inner: Option<f64>,
+}
+
+impl DetectorDensity {
+    /// The densities of `waves` waves in these volumes.
+    pub fn of(volumes: &OpenVolumes, waves: u32) -> DetectorDensity {
+        let density = match volumes.whole > 0.0 {
+            true => 1.0 / (volumes.whole * f64::from(waves)),
+            false => 0.0,
+        };
+        let ratio = |inner| {
+            if inner > 0.0 {
+                volumes.whole / inner
+            } else {
+                0.0
+            }
+        };
+        DetectorDensity {
+            density,
+            inner: volumes.inner.map(ratio),
+        }
+    }
 }
 
 /// A wave that is drawn again because it has more crossings than records.
@@ -249,7 +282,7 @@ impl Block {
             while crossing < crossings {
                 let here = record(crossing);
                 crossing += 1;
-                let iteration = here[1].abs().floor() as u32;
+                let iteration = here[1].abs() as u32 % ITERATIONS;
                 self.suffer(wave, events.as_mut(), iteration);
                 if here[1].abs().fract() > MOST_CHORD {
                     if crossing < crossings {
@@ -292,8 +325,10 @@ impl Block {
         if length_m > with.length_limit {
             return None;
         }
+        let number = record[1].abs() as u32 / ITERATIONS;
+        let detector = with.detectors.get(number as usize)?;
         let chord = f64::from(record[1].abs().fract());
-        let density = chord * with.chord_unit * with.density;
+        let density = chord * with.chord_unit * detector.density;
         let energy = match self.energies.get(wave as usize) {
             Some(left) => left.map(|left| left * density),
             None => [density; BAND_COUNT],
@@ -302,16 +337,16 @@ impl Block {
             return None;
         }
         let reflections = self.iterations + iteration;
-        let (x, inner) = match with.inner {
-            None => (record[2], 1.0),
-            Some(volumes) => {
+        let (x, inner_chord) = match with.has_inner_spheres {
+            false => (record[2], chord),
+            true => {
                 let steps = record[2].floor();
-                (
-                    steps / X_STEPS,
-                    f64::from(record[2] - steps) / chord * volumes,
-                )
+                (steps / X_STEPS, f64::from(record[2] - steps))
             }
         };
+        let inner = detector
+            .inner
+            .map_or(1.0, |volumes| inner_chord / chord * volumes);
         Some(Arrival {
             wave: self.before(wave).wave,
             is_early: so_far.is_mirrored && reflections <= with.early_order,
@@ -320,6 +355,7 @@ impl Block {
             direction: direction(record[1], x, record[3]),
             energy,
             inner,
+            detector: number,
         })
     }
 

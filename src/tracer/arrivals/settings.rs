@@ -27,9 +27,6 @@ pub struct ArrivalSettings {
     pub(crate) least_energy: f64,
     /// Maximum iterations in a chunk.
     pub(crate) iterations_in_chunk: u32,
-    /// Radius in metres of a sphere within the listener's sphere, in which the energy is counted too
-    /// ([`Arrival::inner`](crate::response::Arrival)).
-    pub(crate) inner_radius_m: Option<f32>,
     /// Whether waves are replaced by waves of about equal energy where surfaces scatter. The fates of single waves then
     /// have no meaning.
     pub(crate) resamples: bool,
@@ -49,7 +46,6 @@ impl ArrivalSettings {
             bands: 0..BAND_COUNT,
             least_energy: 0.0,
             iterations_in_chunk: ITERATIONS_IN_CHUNK,
-            inner_radius_m: None,
             resamples: false,
             records: RECORDS,
             outputs: u32::MAX,
@@ -164,7 +160,8 @@ pub struct ArrivalCounts {
     pub iterations: u32,
     /// Remaining energy of the waves that were cut off, by band, as a share of the source's energy.
     pub energy_under_way: Bands,
-    /// Volume of the listener's sphere that is not in a solid, in m³.
+    /// Volume of the listener's sphere that is not in a solid, in m³. If several listeners share the waves, the volume
+    /// of the first.
     pub open_volume_m3: f64,
 }
 

@@ -1,7 +1,7 @@
-//! The open volume of the listener's sphere.
+//! The open volume of a detector's sphere.
 
 use crate::scene::shape::halton;
-use crate::scene::{Pair, Surface};
+use crate::scene::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -20,14 +20,13 @@ const CELLS: usize = 4;
 /// The rounding error of a distance in `f32`, as a share of the largest coordinate: about ten units in the last place.
 const SPARE: f32 = 1e-6;
 
-/// Volume in m³ of the part of the listener's sphere that is outside solids.
-pub fn open_volume(pair: Pair) -> f64 {
-    let (centre, radius) = (pair.listener.position, pair.listener.radius);
+/// Volume in m³ of the part of a sphere that is outside solids.
+pub fn open_volume(scene: &Scene, centre: Vec3, radius: f32) -> f64 {
     let sphere = 4.0 / 3.0 * PI * f64::from(radius).powi(3);
     // The value is at most the distance to a surface, so a surface whose value exceeds the radius does not reach into
     // the sphere.
     let reaches = |surface: &&Surface| surface.distance(centre) < radius;
-    let near: Vec<&Surface> = pair.scene.surfaces.iter().filter(reaches).collect();
+    let near: Vec<&Surface> = scene.surfaces.iter().filter(reaches).collect();
     if near.is_empty() {
         return sphere;
     }
@@ -81,14 +80,14 @@ fn points_in_ball() -> impl Iterator<Item = DVec3> {
 mod tests {
     use super::*;
     use crate::scene::shape::{Plane, Sphere};
-    use crate::{Listener, Node, Scene, Source};
+    use crate::{Listener, Node, Source};
     use glam::Quat;
 
     fn volume(surfaces: Vec<Surface>, radius: f32) -> f64 {
-        let listener = Listener::at(Vec3::new(1.0, 2.0, 3.0), radius);
+        let centre = Vec3::new(1.0, 2.0, 3.0);
         let source = Source::at(Vec3::Y * 50.0);
-        let scene = Scene::new("volume", surfaces, source, listener);
-        open_volume(scene.only_pair().unwrap())
+        let scene = Scene::new("volume", surfaces, source, Listener::at(centre, radius));
+        open_volume(&scene, centre, radius)
     }
 
     fn floor(below: f32, turn: Quat) -> Surface {

@@ -3,6 +3,7 @@
 mod arrivals;
 mod arrivals_energy;
 mod caller_contexts;
+mod detectors;
 mod field_waves;
 mod foreign_contexts;
 mod gpu_against_cpu;

@@ -72,7 +72,10 @@ pub fn of_round(settings: &ResponseSettings, round: &Round) -> String {
     let (Some(accuracy), Some(next)) = (&settings.accuracy, round.next_waves) else {
         return String::new();
     };
-    let open = missing::inaccurate(&round.response.figures, accuracy.share);
+    let figures = round.responses.iter().map(|response| &response.figures);
+    let share = accuracy.share;
+    let worst = figures.max_by(|a, b| a.waves_for(share).total_cmp(&b.waves_for(share)));
+    let open = worst.map_or_else(String::new, |worst| missing::inaccurate(worst, share));
     match open.is_empty() {
         true => format!("({next} waves)"),
         false => format!("({next} waves; open: {open})"),

@@ -3,7 +3,7 @@
 use super::super::impulse::pairs::chosen;
 use super::super::print;
 use echomarch::response::{Response, ResponseSettings};
-use echomarch::scene::Scene;
+use echomarch::scene::{Pair, Scene};
 use echomarch::tracer::Tracer;
 use serde::Serialize;
 
@@ -33,8 +33,10 @@ pub fn heard(
     settings: &ResponseSettings,
 ) -> anyhow::Result<Vec<Heard>> {
     let mut all = Vec::new();
-    for pair in chosen(scene, None, None)? {
-        let response = Response::trace(tracer, pair.pair, settings)?;
+    let pairs = chosen(scene, None, None)?;
+    let traced: Vec<Pair> = pairs.iter().map(|pair| pair.pair).collect();
+    let responses = Response::trace_pairs(tracer, &traced, settings)?;
+    for (pair, response) in pairs.into_iter().zip(responses) {
         let level = response.level(pair.pair.listener());
         all.push(Heard {
             source: pair.source,
