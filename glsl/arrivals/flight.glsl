@@ -5,7 +5,8 @@ const float STATUS_OVER = -3.0;       // has flown the requested length
 
 uniform float uLengthLimit;   // metres from the source after which a wave is not followed further
 uniform float uChordScale;    // 1 / (4 radii of the largest detector): scales a chord to at most a half
-uniform vec4 uDetectors[DETECTORS];   // centre in the march's coordinates, radius; 0: unused
+uniform vec4 uDetectors[DETECTORS];   // centre in the march's coordinates, radius
+uniform int uDetectorCount;
 
 #if INNER_SPHERE
 uniform float uInnerRadii[DETECTORS];   // metres: a sphere within each detector, about the same centre
@@ -52,38 +53,68 @@ float xAndInnerChord(int detector, float x, float along, float squaredAside, flo
 }
 #endif
 
-// If the flight of t metres from p along d crosses the detector, records the crossing. (If the flight begins or ends
-// inside, only the part of the chord that it covers counts.)
-void crossDetector(int detector, vec3 p, vec3 d, float t, float iteration) {
-    const float ITERATIONS = 64.0;   // more than a chunk has
+// The part of the flight from p along d within a detector's sphere.
+struct Crossing {
+    float along;          // metres from the closest point of the flight's line to p, along d
+    float squaredAside;   // square of the line's distance from the centre
+    float enters;         // metres from p to both ends of the part; enters >= leaves: the flight misses the sphere
+    float leaves;
+};
+
+// If the flight of t metres begins or ends inside, only the part of the chord that it covers counts.
+Crossing crossingOf(int detector, vec3 p, vec3 d, float t) {
     vec4 sphere = uDetectors[detector];
     vec3 from = p - sphere.xyz;
     float along = dot(from, d);
     vec3 aside = from - along * d;
     float squaredAside = dot(aside, aside);
     float halfChord = sqrt(max(sphere.w * sphere.w - squaredAside, 0.0));
-    float enters = max(-along - halfChord, 0.0);
-    float leaves = min(halfChord - along, t);
-    bool crosses = leaves > enters;
-    // The sign of the direction's third component is recorded separately; its magnitude follows
-    // from the other two.
-    float share = iteration + ITERATIONS * float(detector) + (leaves - enters) * chordScale;
-    float middle = sixteenths + (rest + 0.5 * (enters + leaves));
-    float x = xAndInnerChord(detector, d.x, along, squaredAside, t);
-    vec4 record = vec4(middle, d.z < 0.0 ? -share : share, x, d.y);
-    keepRecord(crosses ? crossings - passedOver : -1.0, record);
-    crossings += crosses ? 1.0 : 0.0;
+    return Crossing(along, squaredAside, max(-along - halfChord, 0.0), min(halfChord - along, t));
 }
 
-void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
-#if DETECTORS > 1
-    for (int detector = 0; detector < DETECTORS; ++detector) {
-        crossDetector(detector, p, d, t, iteration);
-    }
-#else
-    crossDetector(0, p, d, t, iteration);
-#endif
+// Stores the record of a crossing at a place; -1: nowhere.
+void recordCrossing(float place, int detector, Crossing crossing, vec3 d, float t, float iteration) {
+    const float ITERATIONS = 64.0;   // more than a chunk has
+    float chord = crossing.leaves - crossing.enters;
+    // The sign of the direction's third component is recorded separately; its magnitude follows
+    // from the other two.
+    float share = iteration + ITERATIONS * float(detector) + chord * chordScale;
+    float middle = sixteenths + (rest + 0.5 * (crossing.enters + crossing.leaves));
+    float x = xAndInnerChord(detector, d.x, crossing.along, crossing.squaredAside, t);
+    keepRecord(place, vec4(middle, d.z < 0.0 ? -share : share, x, d.y));
 }
+
+#if DETECTORS > 1
+void recordAt(float place, float detector, vec3 p, vec3 d, float t, float iteration) {
+    int number = int(max(detector, 0.0));
+    recordCrossing(detector < 0.0 ? -1.0 : place, number, crossingOf(number, p, d, t), d, t, iteration);
+}
+
+// Counts the crossings of a flight, and records those for which there are places. Few of many detectors are crossed, so
+// the loop only finds them.
+void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
+    const vec4 PLACES = vec4(0.0, 1.0, 2.0, 3.0);
+    vec4 found = vec4(-1.0);   // the detector of the record at each place
+    for (int detector = 0; detector < uDetectorCount; ++detector) {
+        Crossing crossing = crossingOf(detector, p, d, t);
+        bool crosses = crossing.leaves > crossing.enters;
+        float place = crosses ? crossings - passedOver : -1.0;
+        found = mix(found, vec4(float(detector)), equal(vec4(place), PLACES));
+        crossings += crosses ? 1.0 : 0.0;
+    }
+    recordAt(0.0, found.x, p, d, t, iteration);
+    recordAt(1.0, found.y, p, d, t, iteration);
+    recordAt(2.0, found.z, p, d, t, iteration);
+    recordAt(3.0, found.w, p, d, t, iteration);
+}
+#else
+void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
+    Crossing crossing = crossingOf(0, p, d, t);
+    bool crosses = crossing.leaves > crossing.enters;
+    recordCrossing(crosses ? crossings - passedOver : -1.0, 0, crossing, d, t, iteration);
+    crossings += crosses ? 1.0 : 0.0;
+}
+#endif
 
 // Moves the wave to the next surface and reflects it there, specularly or diffusely. Returns the
 // event, which determines the change of the wave's energy (src/shader/materials.rs).

@@ -20,9 +20,7 @@ use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
 use crate::sampling::{hash, unit_interval};
 use crate::scene::{IntoPair, Pair, Scene, Source};
-use crate::shader::{
-    self, ArrivalsText, CompiledScene, LoopsAsked, Materials, StartOrderText, Structure,
-};
+use crate::shader::{self, ArrivalsText, LoopsAsked, Materials, StartOrderText, Structure};
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -289,7 +287,8 @@ impl Tracer {
         };
         let (budget, now) = (compiled.budget(&asked), Instant::now());
         let frame = PreparedFrame::new(pair, &settings, compiled, budget, programs, now);
-        let detector_values = detector_values(compiled, detectors, compiled_detectors);
+        let value = |one: &Detector| compiled.local(one.position).extend(one.radius);
+        let detector_values = detectors.iter().map(value).collect();
         self.provide_arrival_targets(&settings, &text)?;
         Ok(Run {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
@@ -452,6 +451,8 @@ impl Tracer {
         let scale = 1.0 / run.replay.chord_unit;
         run.program.set_f32("uChordScale", scale as f32);
         run.program.set_vec4_array("uDetectors", &run.detectors);
+        run.program
+            .set_i32("uDetectorCount", run.detectors.len() as i32);
         run.program.set_f32_array("uInnerRadii", &run.inner_radii_m);
         run.program.set_vec4_array("uMaterials", &run.materials);
         if let Some(events) = &run.replay.events {
@@ -590,13 +591,4 @@ fn check_materials(
         return Ok(());
     }
     check_uniforms(context, scene, structure, OWN_VECTORS + vectors)
-}
-
-/// The values of `uDetectors` for a pass that is compiled for this number of detectors: centre and radius. Nothing
-/// crosses the spheres of radius 0 that fill the array.
-fn detector_values(compiled: &CompiledScene, detectors: &[Detector], number: u32) -> Vec<Vec4> {
-    let value = |one: &Detector| compiled.local(one.position).extend(one.radius);
-    let mut values: Vec<Vec4> = detectors.iter().map(value).collect();
-    values.resize(number as usize, Vec4::ZERO);
-    values
 }

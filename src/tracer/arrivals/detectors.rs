@@ -61,11 +61,12 @@ pub(crate) fn most_detectors(uniform_vectors: u32) -> usize {
     }
 }
 
-/// Number of detectors for which a pass is compiled: 1, 4, 16 or 64, so that few programs are needed.
+/// Maximum number of detectors of the program that a pass with this number of detectors uses.
 pub(crate) fn compiled_detectors(detectors: usize) -> u32 {
-    let mut compiled = 1;
-    while compiled < detectors {
-        compiled *= 4;
-    }
+    let compiled = match detectors {
+        0 | 1 => 1,
+        2..=FEW_DETECTORS => FEW_DETECTORS,
+        _ => MOST_DETECTORS,
+    };
     compiled as u32
 }

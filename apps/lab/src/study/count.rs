@@ -1,15 +1,16 @@
 //! Estimates the size and cost of a study from a short sample: points, time, bytes.
 
+use super::points::Point;
 use super::work::row;
-use super::{Study, StudyError, Worker, lines};
+use super::{BLOCK, StudyError, Worker, lines};
 use echomarch::internals::sampling::GOLDEN_GAMMA;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Maximum number of points in a sample.
+/// Maximum number of blocks in a sample.
 const MOST_SAMPLED: u64 = 64;
 
-/// Minimum number of points in a sample, however long they take. A standard error needs at least two.
+/// Minimum number of blocks in a sample, however long they take. A standard error needs at least two.
 const LEAST_SAMPLED: u64 = 3;
 
 /// Maximum time of a sample, including warm-up.
@@ -48,7 +49,7 @@ impl Estimate {
     }
 }
 
-/// Computes each point of a sample twice, and times the second computation. The first computation compiles the shaders
+/// Computes each block of a sample twice, and times the second computation. The first computation compiles the shaders
 /// of the scene, which happens only once in a study. The results are discarded.
 ///
 /// # Errors
@@ -58,27 +59,36 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     let began = Instant::now();
     let (mut seconds, mut core_seconds) = (Vec::new(), Some(0.0));
     let (mut shard_bytes, mut csv_bytes) = (0, 0);
-    for number in 0..MOST_SAMPLED.min(study.points) {
+    let blocks = study.points.div_ceil(BLOCK);
+    let mut points = 0;
+    for number in 0..MOST_SAMPLED.min(blocks) {
         if number >= LEAST_SAMPLED && began.elapsed() > LONGEST {
             break;
         }
-        let point = study.point(sampled(study, number));
-        worker.found(&point)?;
+        let first = sampled(blocks, number) * BLOCK;
+        let block: Vec<Point> = (first..study.points.min(first + BLOCK))
+            .map(|index| study.point(index))
+            .collect();
+        worker.found(&block)?;
         let (clock, cores) = (Instant::now(), processor_seconds());
-        let found = worker.found(&point)?;
-        seconds.push(clock.elapsed().as_secs_f64());
+        let found = worker.found(&block)?;
+        points += block.len() as u64;
+        let a_point = 1.0 / block.len() as f64;
+        seconds.push(clock.elapsed().as_secs_f64() * a_point);
         let taken = processor_seconds()
             .zip(cores)
-            .map(|(end, begin)| end - begin);
+            .map(|(end, begin)| (end - begin) * a_point);
         core_seconds = core_seconds.zip(taken).map(|(sum, more)| sum + more);
-        let row = row(point.index, &found);
-        shard_bytes += lines::line(&row).len();
-        let scene = study.posed(point.variant, point.time);
-        let before = scene.map_or(0, |scene| {
-            let cells = study.point_cells(&point, &scene).into_iter().skip(1);
-            cells.map(|cell| cell.for_csv().len() + 1).sum()
-        });
-        csv_bytes += before + row.len() + 1;
+        for (point, found) in block.iter().zip(&found) {
+            let row = row(point.index, found);
+            shard_bytes += lines::line(&row).len();
+            let scene = study.posed(point.variant, point.time);
+            let before = scene.map_or(0, |scene| {
+                let cells = study.point_cells(point, &scene).into_iter().skip(1);
+                cells.map(|cell| cell.for_csv().len() + 1).sum()
+            });
+            csv_bytes += before + row.len() + 1;
+        }
     }
     let sampled = seconds.len() as f64;
     let mean = crate::stats::mean(seconds.iter().copied()).unwrap_or(0.0);
@@ -86,24 +96,24 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     let variance = squares / (sampled - 1.0).max(1.0);
     Ok(Estimate {
         points: study.points,
-        sampled: seconds.len() as u64,
+        sampled: points,
         seconds_a_point: mean,
         seconds_a_point_error: (variance / sampled.max(1.0)).sqrt(),
         core_seconds_a_point: core_seconds.map(|sum: f64| sum / sampled.max(1.0)),
-        shard_bytes_a_point: shard_bytes as f64 / sampled.max(1.0),
-        csv_bytes_a_point: csv_bytes as f64 / sampled.max(1.0),
+        shard_bytes_a_point: shard_bytes as f64 / points.max(1) as f64,
+        csv_bytes_a_point: csv_bytes as f64 / points.max(1) as f64,
     })
 }
 
-/// The index of a sample point. A small study is sampled at every point, a larger one at evenly spread points. The
+/// The index of a sample block. A small study is sampled at every block, a larger one at evenly spread blocks. The
 /// multiples of 2⁶⁴ divided by the golden ratio, as shares of 2⁶⁴, are evenly spread for any number of multiples (D. E.
 /// Knuth, *The Art of Computer Programming* 3, section 6.4).
-fn sampled(study: &Study, number: u64) -> u64 {
-    if study.points <= MOST_SAMPLED {
+fn sampled(blocks: u64, number: u64) -> u64 {
+    if blocks <= MOST_SAMPLED {
         return number;
     }
     let share = u128::from((number + 1).wrapping_mul(GOLDEN_GAMMA));
-    ((share * u128::from(study.points)) >> 64) as u64
+    ((share * u128::from(blocks)) >> 64) as u64
 }
 
 /// Processor time used by this process, summed over its threads.

@@ -1,18 +1,19 @@
 //! Computes a shard in a working file, which can be continued after any interruption.
 //!
-//! Results are stored point by point. Each line is written at once, and the file is synchronised with the disk once per
-//! second. A killed process loses the current point. If the machine fails, the points of the last second are lost.
+//! Results are computed block by block. Each line is written at once, and the file is synchronised with the disk once per
+//! second. A killed process loses the current block. If the machine fails, the points of the last second are lost.
 //!
 //! The first line identifies the shard. An incomplete last line is caused by an interruption, and is removed. Any other
 //! defect is an error, and the file is left unchanged (`work_place.rs` decides which files are opened). When all points
 //! are complete, the last line is added and the file is renamed within its folder.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, line, text_of};
+use super::points::Point;
 use super::read_shard::verify;
 use super::row_form::RowForm;
 use super::shard::folder_of;
 use super::work_place::{is_of_this_user, is_there, locked};
-use super::{Shard, Study, StudyError, Worker};
+use super::{BLOCK, Shard, Study, StudyError, Worker};
 use crate::report::Cell;
 use echomarch::internals::file_output::{prepare_folder, prepare_folder_inside};
 use sha2::{Digest, Sha256};
@@ -60,11 +61,22 @@ fn fill(
     progress: &mut dyn FnMut(u64),
 ) -> Result<(), StudyError> {
     progress(work.rows);
-    for place in work.rows..shard.points(worker.study.points) {
-        let point = worker.study.point(shard.point(place));
-        let found = worker.found(&point)?;
-        work.append(&row(point.index, &found))?;
-        progress(place + 1);
+    let points = shard.points(worker.study.points);
+    for first in (0..points).step_by(BLOCK as usize) {
+        let places = first..points.min(first + BLOCK);
+        if places.end <= work.rows {
+            continue;
+        }
+        let point = |place| worker.study.point(shard.point(place));
+        let block: Vec<Point> = places.map(point).collect();
+        // All points of a block are computed together. An interruption may have left some of them in the file.
+        let found = worker.found(&block)?;
+        for (place, (point, found)) in (first..).zip(block.iter().zip(&found)) {
+            if place >= work.rows {
+                work.append(&row(point.index, found))?;
+                progress(place + 1);
+            }
+        }
     }
     work.finish(whole)
 }

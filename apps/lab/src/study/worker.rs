@@ -5,6 +5,7 @@ use super::{Study, StudyError, renderer_of};
 use crate::experiment::accuracy::exact_pan;
 use crate::report::Cell;
 use echomarch::Error;
+use echomarch::Settings;
 use echomarch::response::Response;
 use echomarch::scene::Scene;
 use echomarch::tracer::Tracer;
@@ -39,16 +40,34 @@ impl<'a> Worker<'a> {
         &mut self.tracer
     }
 
-    /// Computes the result cells of a point.
-    pub(super) fn found(&mut self, point: &Point) -> Result<Vec<Cell>, StudyError> {
-        self.compute(point).map_err(|source| StudyError::Point {
+    /// Computes the result cells of the points of a block, in order. The listeners of a block share the waves of their
+    /// source. The results do not depend on the shard of the block.
+    pub(super) fn found(&mut self, block: &[Point]) -> Result<Vec<Vec<Cell>>, StudyError> {
+        let mut cells = Vec::with_capacity(block.len());
+        for point in block {
+            let of_frames = self.of_frames(point);
+            cells.push(of_frames.map_err(|source| self.failed(point, source))?);
+        }
+        for group in groups(block) {
+            let responses = self.of_response(block, &group);
+            let responses = responses.map_err(|source| self.failed(&block[group[0]], source))?;
+            for (index, response) in group.into_iter().zip(responses) {
+                cells[index].extend(response);
+            }
+        }
+        Ok(cells)
+    }
+
+    fn failed(&self, point: &Point, source: Error) -> StudyError {
+        StudyError::Point {
             index: point.index,
             what: self.study.label(point),
             source: Box::new(source),
-        })
+        }
     }
 
-    fn compute(&mut self, point: &Point) -> Result<Vec<Cell>, Error> {
+    /// The scene at a point.
+    fn scene(&mut self, point: &Point) -> Result<&mut Scene, Error> {
         let study = self.study;
         let key = (point.variant, point.time);
         let scene = match self.posed.take() {
@@ -64,11 +83,25 @@ impl<'a> Worker<'a> {
         if let Some(position) = study.listener_of(point) {
             scene.listeners[0].position = position;
         }
-        let scene = &*scene;
-        let settings = &study.settings[point.case].settings;
-        let settings = settings.clone().with_seed(point.seed);
-        let keep = &study.keep;
+        Ok(scene)
+    }
+
+    fn settings(&self, point: &Point) -> Settings {
+        let settings = &self.study.settings[point.case].settings;
+        settings.clone().with_seed(point.seed)
+    }
+
+    /// The cells of frames at a point.
+    fn of_frames(&mut self, point: &Point) -> Result<Vec<Cell>, Error> {
+        let (keep, settings) = (&self.study.keep, self.settings(point));
         let mut cells = Vec::new();
+        if !(keep.pan || keep.counts || keep.exact) {
+            return Ok(cells);
+        }
+        self.scene(point)?;
+        let Some((_, scene)) = &self.posed else {
+            return Ok(cells);
+        };
         if keep.pan || keep.counts {
             let frame = self.tracer.frame(scene, &settings)?;
             if keep.pan {
@@ -93,11 +126,55 @@ impl<'a> Worker<'a> {
         if keep.exact {
             cells.push(exact_pan(&mut self.tracer, scene, &settings)?.into());
         }
-        if let Some((how, columns)) = &keep.response {
-            let how = how.clone().with_trace_of_frames(&settings);
-            let response = Response::trace(&mut self.tracer, scene, &how)?;
-            cells.extend(columns.cells(&response));
-        }
         Ok(cells)
     }
+
+    /// The cells of the responses at points of a group; empty if the study has no response.
+    fn of_response(&mut self, block: &[Point], group: &[usize]) -> Result<Vec<Vec<Cell>>, Error> {
+        let Some((how, columns)) = &self.study.keep.response else {
+            return Ok(Vec::new());
+        };
+        let first = &block[group[0]];
+        let how = how.clone().with_trace_of_frames(&self.settings(first));
+        let mut scene = self.scene(first)?.clone();
+        let listener = scene.listeners[0].clone();
+        let at_point = |index: &usize| {
+            let mut listener = listener.clone();
+            if let Some(position) = self.study.listener_of(&block[*index]) {
+                listener.position = position;
+            }
+            listener
+        };
+        scene.listeners = group.iter().map(at_point).collect();
+        let pairs = (0..group.len()).map(|listener| scene.pair(0, listener));
+        let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
+        let responses = Response::trace_pairs(&mut self.tracer, &pairs, &how)?;
+        Ok(responses.iter().map(|one| columns.cells(one)).collect())
+    }
+}
+
+/// The indices of the points of a block, grouped by everything except the position of the listener.
+fn groups(block: &[Point]) -> Vec<Vec<usize>> {
+    let key = |point: &Point| {
+        let Point {
+            variant,
+            time,
+            case,
+            source,
+            seed,
+            ..
+        } = *point;
+        (variant, time, case, source, seed)
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (index, point) in block.iter().enumerate() {
+        match groups
+            .iter_mut()
+            .find(|group| key(&block[group[0]]) == key(point))
+        {
+            Some(group) => group.push(index),
+            None => groups.push(vec![index]),
+        }
+    }
+    groups
 }
