@@ -9,7 +9,8 @@ pub(crate) use numbers::{
     Plain, Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
 
-use super::mesh::{Inside, MeshOptions, TriangleMesh};
+use super::mesh::{AirCells, Inside, MeshOptions, TriangleMesh};
+use super::shape::{AirBox, Rooms};
 use super::{Balloon, FIELDS, HeightImage, SceneError, UserField};
 use crate::file_input::read_text;
 use crate::text::in_a_line;
@@ -20,7 +21,7 @@ use serde::ser::{
     Serialize, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleVariant,
     Serializer,
 };
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
@@ -264,6 +265,9 @@ impl Serialize for Written {
 /// Maximum size of the text of a user's field in bytes. A larger file is assumed to be a mistake.
 const LARGEST_FIELD: u64 = 1 << 20;
 
+/// Maximum number of cells of all `Rooms` of a scene: seven times those of the largest.
+const MOST_ROOM_CELLS: usize = 1 << 22;
+
 /// The location of the files that a scene names. Each file is read only once.
 pub(crate) struct Attached {
     /// The name of the scene's text in errors.
@@ -273,6 +277,8 @@ pub(crate) struct Attached {
     meshes: RefCell<Vec<(String, Arc<TriangleMesh>)>>,
     fields: RefCell<Vec<Arc<UserField>>>,
     balloons: RefCell<Vec<(String, Arc<Balloon>)>>,
+    /// Cells of all `Rooms` that were read.
+    room_cells: Cell<usize>,
 }
 
 enum Place {
@@ -301,6 +307,7 @@ impl Attached {
             meshes: RefCell::default(),
             fields: RefCell::default(),
             balloons: RefCell::default(),
+            room_cells: Cell::default(),
         }
     }
 
@@ -348,6 +355,16 @@ impl Attached {
             .borrow_mut()
             .push((name.to_owned(), mesh.clone()));
         Ok(mesh)
+    }
+
+    /// The union of boxes of air. The triangles of all such unions of a scene take at most a gigabyte of memory.
+    pub fn rooms(&self, boxes: Vec<AirBox>) -> Result<Rooms, SceneError> {
+        let cells = self.room_cells.get() + AirCells::most(boxes.len());
+        if cells > MOST_ROOM_CELLS {
+            return Err(self.refused("all Rooms of the scene together have too many boxes".into()));
+        }
+        self.room_cells.set(cells);
+        Rooms::new(boxes).map_err(|why| self.refused(why.to_string()))
     }
 
     /// Reads the GLSL field with this file name.
