@@ -9,8 +9,7 @@ pub(crate) use numbers::{
     Plain, Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
 
-use super::mesh::{AirCells, Inside, MeshOptions, TriangleMesh};
-use super::shape::{AirBox, Rooms};
+use super::mesh::{Inside, MeshOptions, TriangleMesh};
 use super::{Balloon, FIELDS, HeightImage, SceneError, UserField};
 use crate::file_input::read_text;
 use crate::text::in_a_line;
@@ -357,14 +356,15 @@ impl Attached {
         Ok(mesh)
     }
 
-    /// The union of boxes of air. The triangles of all such unions of a scene take at most a gigabyte of memory.
-    pub fn rooms(&self, boxes: Vec<AirBox>) -> Result<Rooms, SceneError> {
-        let cells = self.room_cells.get() + AirCells::most(boxes.len());
+    /// Counts the cells of `Rooms` that are read. The triangles of all `Rooms` of a scene take at most a gigabyte of
+    /// memory.
+    pub fn take_room_cells(&self, count: usize) -> Result<(), SceneError> {
+        let cells = self.room_cells.get() + count;
         if cells > MOST_ROOM_CELLS {
             return Err(self.refused("all Rooms of the scene together have too many boxes".into()));
         }
         self.room_cells.set(cells);
-        Rooms::new(boxes).map_err(|why| self.refused(why.to_string()))
+        Ok(())
     }
 
     /// Reads the GLSL field with this file name.
@@ -431,7 +431,8 @@ impl Attached {
         }
     }
 
-    fn refused(&self, why: String) -> SceneError {
+    /// An error of something that the scene names.
+    pub fn refused(&self, why: String) -> SceneError {
         SceneError::Attached {
             origin: self.origin.clone(),
             why: in_a_line(&why).into_owned(),

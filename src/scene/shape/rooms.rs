@@ -296,8 +296,10 @@ impl Notation for Rooms {
     type File = File;
 
     fn read(file: File, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let files = reader.files();
+        files.take_room_cells(AirCells::most(file.of.len()))?;
         let boxes = file.of.into_iter().map(|BoxFile(of)| of);
-        let rooms = reader.files().rooms(boxes.collect())?;
+        let rooms = Rooms::new(boxes).map_err(|why| files.refused(why.to_string()))?;
         Ok(Shape::from(rooms))
     }
 }
