@@ -376,9 +376,12 @@ impl Shape {
         if nodes.len() > 1
             && let Some(mesh) = nodes.iter().find(|tree| tree.mesh().is_some())
         {
-            let name = mesh.node.name();
+            let what = match mesh.node {
+                Node::Rooms(_) => "Rooms are",
+                _ => "a Mesh is",
+            };
             return Err(format!(
-                "{name} is a whole surface, and no operand of an operator"
+                "{what} a whole surface, and no operand of an operator"
             ));
         }
         for tree in &nodes {
