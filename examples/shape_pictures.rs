@@ -39,6 +39,11 @@ const SHAPES: &[Picture] = &[
     ("box", "Box(size: (2.4, 1.6, 1.6))", Outside),
     ("room", "Room(size: (7, 4, 7))", Inside),
     (
+        "rooms",
+        "Rooms(of: [(from: (-3.5, -2, -2), to: (3.5, 2, 3.5)), (from: (-1, -2, -2.3), to: (0.2, 0.6, -2)), (from: (-3, -2, -6), to: (4, 1.5, -2.3))])",
+        Inside,
+    ),
+    (
         "rounded-box",
         "RoundedBox(size: (2.4, 1.6, 1.6), rounding: 0.4)",
         Outside,

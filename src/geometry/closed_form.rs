@@ -59,7 +59,8 @@ impl Placed {
             Node::Cylinder(Cylinder { radius }) => Form::Cylinder {
                 radius: radius.into(),
             },
-            Node::Mesh(ref of) => Form::Mesh(PlacedMesh::new(of)),
+            Node::Mesh(ref of) => Form::Mesh(PlacedMesh::new(&of.mesh)),
+            Node::Rooms(ref of) => Form::Mesh(PlacedMesh::new(of.mesh())),
             _ => Form::Field(Arc::new(MarchedField::new(&surface.shape))),
         };
         let [x, y, z, w] = surface.rotation.to_array().map(f64::from);

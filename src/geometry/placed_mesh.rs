@@ -3,7 +3,6 @@
 use super::intersection::Intersection;
 use crate::scene::Bounds3;
 use crate::scene::mesh::TriangleMesh;
-use crate::scene::shape::Mesh;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -20,14 +19,14 @@ pub(super) struct PlacedMesh {
 }
 
 impl PlacedMesh {
-    pub fn new(of: &Mesh) -> PlacedMesh {
-        let is_hollow = of.mesh.report().is_hollow;
+    pub fn new(mesh: &Arc<TriangleMesh>) -> PlacedMesh {
+        let is_hollow = mesh.report().is_hollow;
         let bounds = match is_hollow {
             true => Bounds3::EVERYWHERE,
-            false => of.mesh.bounds(),
+            false => mesh.bounds(),
         };
         PlacedMesh {
-            mesh: Arc::clone(&of.mesh),
+            mesh: Arc::clone(mesh),
             bounds,
         }
     }

@@ -277,6 +277,13 @@ pub enum Warning {
         /// Labels of the rooms: `1`, `surface 2 (Room)`.
         rooms: Vec<String>,
     },
+    /// Boxes of air of [`Rooms`](super::shape::Rooms) that no other box joins to the first one.
+    RoomsApart {
+        /// The surface.
+        surface: String,
+        /// Names of the boxes.
+        rooms: Vec<String>,
+    },
     /// Surfaces and walls without a material, in a scene in which others have one. They reflect all sound, which
     /// lengthens decays.
     NoMaterial {
@@ -351,9 +358,17 @@ impl fmt::Display for Warning {
             }
             Warning::RoomsFillEachOther { rooms } => write!(
                 f,
-                "{} fill each other: the space outside a Room is solid; write connected rooms as one surface, Complement(of: Union(of: [Box(…), Box(…)]))",
+                "{} fill each other: the space outside a Room is solid; write connected rooms and their doorways as one surface, Rooms(of: [(from: (x, y, z), to: (x, y, z)), …])",
                 listed(rooms)
             ),
+            Warning::RoomsApart { surface, rooms } => {
+                let verb = if rooms.len() == 1 { "has" } else { "have" };
+                write!(
+                    f,
+                    "{surface}: {} {verb} no way to the first box: a doorway is a box that touches both sides",
+                    listed(rooms)
+                )
+            }
             Warning::NoMaterial { surfaces } => {
                 let verb = match surfaces.len() {
                     1 => "has no material and reflects",

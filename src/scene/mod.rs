@@ -245,8 +245,11 @@ impl Scene {
             })
     }
 
+    /// The large objects that come from files. `Rooms` are part of the scene file itself.
     fn assets(&self) -> impl Iterator<Item = Asset<'_>> {
-        self.field_nodes().filter_map(Node::asset)
+        let nodes = self.field_nodes();
+        let of_files = nodes.filter(|node| !matches!(node, Node::Rooms(_)));
+        of_files.filter_map(Node::asset)
     }
 
     fn field_nodes(&self) -> impl Iterator<Item = &Node> {

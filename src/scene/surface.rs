@@ -3,7 +3,7 @@
 //! Distances are computed in `f64`, with code that is independent of the shaders. A test compares both at the same
 //! points, so that each reveals errors of the other. Distances are negative inside a solid.
 
-use super::shape::Room;
+use super::shape::{Room, Rooms};
 use super::{Bounds3, Driver, Listener, Node, Scene, SceneError, Shape};
 use glam::{DMat3, Quat, Vec3};
 use std::collections::BTreeMap;
@@ -43,11 +43,12 @@ pub struct Surface {
     /// Name of the material, either one of the scene's own or a built-in material. A surface without a material
     /// reflects all sound.
     pub material: Option<String>,
-    /// For a [`Room`](super::shape::Room): the materials of the walls that differ from the surface's material, in the
+    /// For a [`Room`](super::shape::Room), and for all boxes of [`Rooms`](super::shape::Rooms): the materials of the walls that differ from the surface's material, in the
     /// order of [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). The walls rotate with the room.
     pub walls: [Option<String>; Room::WALL_COUNT],
     /// For a [`Mesh`](super::shape::Mesh): the materials of faces by the names of their groups. A group without an entry
-    /// has the scene's material of the same name, otherwise the material of the surface.
+    /// has the scene's material of the same name, otherwise the material of the surface. For
+    /// [`Rooms`](super::shape::Rooms): the materials of a box (`hall`) or of one of its walls (`hall/floor`).
     pub faces: BTreeMap<String, String>,
 }
 
@@ -134,11 +135,28 @@ impl Surface {
 
     /// The name of a wall's material. A wall without its own material has the material of the surface.
     pub(super) fn material_name(&self, wall: Option<usize>) -> Option<&str> {
-        let of_wall = wall.and_then(|wall| match self.group_name(wall) {
-            Some(group) => self.faces.get(group).map(String::as_str),
-            None => self.walls.get(wall)?.as_deref(),
+        let of_wall = wall.and_then(|wall| match (self.rooms(), self.group_name(wall)) {
+            (Some(rooms), Some(group)) => self.material_of_box(rooms, wall, group),
+            (None, Some(group)) => self.faces.get(group).map(String::as_str),
+            (_, None) => self.walls.get(wall)?.as_deref(),
         });
         of_wall.or(self.material.as_deref())
+    }
+
+    /// The name of the material of a group of rooms: that of the wall of the box, otherwise that of the box, otherwise that
+    /// of this wall of all boxes.
+    fn material_of_box(&self, rooms: &Rooms, group: usize, group_name: &str) -> Option<&str> {
+        let (name, wall) = rooms.wall(group)?;
+        let of_box = self.faces.get(group_name).or_else(|| self.faces.get(&name));
+        of_box.or(self.walls[wall].as_ref()).map(String::as_str)
+    }
+
+    /// The rooms, if the shape is a union of boxes of air.
+    pub(super) fn rooms(&self) -> Option<&Rooms> {
+        match &self.shape.node {
+            Node::Rooms(rooms) => Some(rooms),
+            _ => None,
+        }
     }
 
     /// The name of a mesh's group of faces; `None` for another shape.
@@ -179,6 +197,11 @@ impl Surface {
     /// Whether the shape has walls that can have different materials.
     pub(super) fn has_walls(&self) -> bool {
         matches!(self.shape.node, Node::Room(_))
+    }
+
+    /// Whether the shape has `walls` with their own materials.
+    pub(super) fn takes_walls(&self) -> bool {
+        self.has_walls() || self.rooms().is_some()
     }
 
     /// Whether both surfaces are equal, ignoring the paths of their files.

@@ -41,7 +41,7 @@ pub(super) fn has_far_side(scene: &Scene, index: usize) -> bool {
     let node = &scene.surfaces[index].shape.node;
     !matches!(
         node,
-        Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_) | Node::Mesh(_)
+        Node::Room(_) | Node::Rooms(_) | Node::Plane(_) | Node::HalfSpace(_) | Node::Mesh(_)
     )
 }
 

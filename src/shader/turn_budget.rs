@@ -259,9 +259,11 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
             along.rev().fold(below, nested)
         }
         Node::User(User { field }) => of_user(field),
-        // The nearest triangle is looked for in the lists of eight cells.
-        Node::Mesh(of) => CELLS_OF_DISTANCE * (1 + of.mesh.cells().longest_list as u64),
-        _ => below,
+        _ => match field.mesh() {
+            // The nearest triangle is looked for in the lists of eight cells.
+            Some(mesh) => CELLS_OF_DISTANCE * (1 + mesh.cells().longest_list as u64),
+            None => below,
+        },
     }
 }
 
@@ -271,8 +273,11 @@ fn of_hit(field: &Shape) -> u64 {
     match &field.node {
         // The last turn of a traversal with a step limit takes no step.
         Node::Repeat(_) => cells_crossed(field).map_or(1, |cells| cells * (1 + below)),
-        Node::Mesh(of) => of.mesh.cells().turns_on_line().min(MOST_MESH_TURNS),
-        _ => below,
+        Node::Rooms(rooms) => rooms.boxes().len() as u64,
+        _ => match field.mesh() {
+            Some(mesh) => mesh.cells().turns_on_line().min(MOST_MESH_TURNS),
+            None => below,
+        },
     }
 }
 

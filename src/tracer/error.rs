@@ -169,7 +169,7 @@ pub enum TraceError {
     },
     /// A scene with a mesh in the profile `thesis`.
     #[error(
-        "meshes cannot be traced by the profile thesis, which stops at its minimum distance from a surface: use hybrid or march"
+        "meshes and Rooms cannot be traced by the profile thesis, which stops at its minimum distance from a surface: use hybrid or march"
     )]
     NoMeshes,
     /// A call to advance a frame, although no frame was begun, or the frame was already collected or dropped.

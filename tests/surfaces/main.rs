@@ -10,6 +10,7 @@ mod marched_fields;
 mod meshes;
 mod points_on_surfaces;
 mod properties;
+mod rooms;
 mod scene_format;
 mod touching_boxes;
 mod user_fields;

@@ -5,6 +5,7 @@
 //! operator is the level of the whole subtree, with derivatives by finite differences of its value.
 
 use super::sheet::{Differenced, Form, Quadratic, Search, Way, outer};
+use crate::scene::mesh::TriangleMesh;
 use crate::scene::shape::{
     CappedCylinder, Capsule, Cone, Cylinder, Ellipsoid, Elongate, GeneralQuadric, HalfSpace,
     HeightField, Hyperboloid, Mirror, Paraboloid, Prism, Repeat, Room, Sphere, Torus,
@@ -178,12 +179,8 @@ fn add_leaf(search: &mut Search, node: &Node, way: Way) {
     let p = way.frame.place(search.point);
     let is_itself = way.level == 0.0;
     match node {
-        Node::Mesh(of) => {
-            for (number, facet) in of.mesh.facets_near(p, search.touch) {
-                let way = way.branch(number.into());
-                search.flat(facet.normal, facet.offset, way, Some(facet.group));
-            }
-        }
+        Node::Mesh(of) => facets(search, &of.mesh, p, way),
+        Node::Rooms(of) => facets(search, of.mesh(), p, way),
         Node::Plane(_) => search.flat(DVec3::Y, way.level, way, None),
         Node::HalfSpace(HalfSpace { normal, offset }) => {
             let normal = normal.as_dvec3().normalize();
@@ -217,6 +214,14 @@ fn add_leaf(search: &mut Search, node: &Node, way: Way) {
         Node::GeneralQuadric(quadric) if is_itself => search.quadric(of_coefficients(quadric), way),
         Node::HeightField(field) if is_itself => ground(search, field, p, way),
         _ => (),
+    }
+}
+
+/// The planes of a mesh's triangles.
+fn facets(search: &mut Search, mesh: &TriangleMesh, p: DVec3, way: Way) {
+    for (number, facet) in mesh.facets_near(p, search.touch) {
+        let way = way.branch(number.into());
+        search.flat(facet.normal, facet.offset, way, Some(facet.group));
     }
 }
 

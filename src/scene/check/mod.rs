@@ -5,7 +5,7 @@ mod tests;
 
 use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::directivity::OMNI_SHARES;
-use super::shape::LARGEST;
+use super::shape::{LARGEST, Rooms};
 use super::{
     Directivity, Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source,
     Surface, Transmission, Warning,
@@ -372,7 +372,7 @@ impl Scene {
             self.find_material(name)
                 .map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        if !surface.has_walls() && surface.walls.iter().any(Option::is_some) {
+        if !surface.takes_walls() && surface.walls.iter().any(Option::is_some) {
             return Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()));
         }
         match no_such_group(surface) {
@@ -384,6 +384,9 @@ impl Scene {
 
 /// The error message for materials of faces that the surface lacks, if there are any.
 pub(super) fn no_such_group(surface: &Surface) -> Option<String> {
+    if let Some(rooms) = surface.rooms() {
+        return no_such_wall(surface, rooms);
+    }
     let groups = surface.shape.mesh().map_or(&[][..], |mesh| mesh.groups());
     let unknown = surface.faces.keys().find(|name| !groups.contains(name))?;
     if groups.is_empty() {
@@ -394,11 +397,24 @@ pub(super) fn no_such_group(surface: &Surface) -> Option<String> {
     Some(nearest_or_all(&refused, unknown, &all))
 }
 
+/// The error message for materials of boxes or walls that rooms lack, if there are any.
+fn no_such_wall(surface: &Surface, rooms: &Rooms) -> Option<String> {
+    let has = |group: &usize| rooms.has_faces(*group);
+    let walls = (0..surface.part_count()).filter(has);
+    let walls = walls.filter_map(|group| surface.group_name(group).map(str::to_owned));
+    let all: Vec<String> = rooms.names().chain(walls).collect();
+    let unknown = surface.faces.keys().find(|name| !all.contains(name))?;
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    let refused = format!("the rooms have no box and no wall {unknown:?}");
+    Some(nearest_or_all(&refused, unknown, &all))
+}
+
 /// The error message for materials of faces of a shape that is not a mesh.
-const NOT_A_MESH: &str = "only the faces of a Mesh have materials by names";
+const NOT_A_MESH: &str = "only the faces of a Mesh and the walls of Rooms have materials by names";
 
 /// The error message for wall materials of a shape that is not a room.
-pub(super) const NOT_A_ROOM: &str = "only the walls of a Room have materials of their own";
+pub(super) const NOT_A_ROOM: &str =
+    "only the walls of a Room or of Rooms have materials of their own";
 
 /// The first name that occurs twice.
 pub(super) fn twice<'a>(names: impl Iterator<Item = Option<&'a String>>) -> Option<&'a String> {
@@ -432,6 +448,7 @@ impl Scene {
             }
         }
         warnings.extend(self.rooms_that_fill_each_other());
+        warnings.extend(self.rooms_without_a_way());
         warnings.extend(self.without_material());
         warnings.extend(self.one_sided_fields());
         warnings.extend(self.odd_meshes());
@@ -463,6 +480,17 @@ impl Scene {
         (rooms.len() > 1).then_some(Warning::RoomsFillEachOther { rooms })
     }
 
+    /// Warns about boxes of air that no other box joins to the first one.
+    fn rooms_without_a_way(&self) -> Vec<Warning> {
+        let all = self.surfaces.iter().enumerate();
+        let cut_off = all.filter_map(|(index, surface)| {
+            let rooms = surface.rooms()?.cut_off();
+            let surface = surface.label(index);
+            (!rooms.is_empty()).then_some(Warning::RoomsApart { surface, rooms })
+        });
+        cut_off.collect()
+    }
+
     /// Warns about surfaces without a material if other surfaces have one.
     fn without_material(&self) -> Option<Warning> {
         if !self.has_materials() {
@@ -471,9 +499,16 @@ impl Scene {
         let mut surfaces = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
             let lacks = |wall: Option<usize>| self.material(index, wall).is_none();
-            let parts = surface.part_count();
-            let walls: Vec<usize> = (0..parts).filter(|wall| lacks(Some(*wall))).collect();
-            let is_whole = parts == 0 && lacks(None) || parts > 0 && walls.len() == parts;
+            let has_faces =
+                |part: &usize| surface.rooms().is_none_or(|rooms| rooms.has_faces(*part));
+            let parts: Vec<usize> = (0..surface.part_count()).filter(has_faces).collect();
+            let walls: Vec<usize> = parts
+                .iter()
+                .copied()
+                .filter(|wall| lacks(Some(*wall)))
+                .collect();
+            let is_whole =
+                parts.is_empty() && lacks(None) || !parts.is_empty() && walls.len() == parts.len();
             match is_whole {
                 true => surfaces.push(surface.label(index)),
                 false => surfaces.extend(walls.iter().filter_map(|wall| {

@@ -227,7 +227,7 @@ fn check_materials(scene: &Scene) -> Result<(), Refused> {
                 continue;
             };
             let place = Place::Material { surface, wall };
-            if wall.is_some() && !of.has_walls() {
+            if wall.is_some() && !of.takes_walls() {
                 return Err(Refused::At(place, NOT_A_ROOM.to_owned()));
             }
             let found = scene.find_material(name);

@@ -17,6 +17,7 @@
 //! # Cost
 //! A mesh of n triangles is checked and indexed in O(n log n).
 
+mod air_boxes;
 mod cells;
 mod check;
 mod edges;
@@ -34,6 +35,7 @@ mod tests;
 mod tree;
 mod triangle;
 
+pub(crate) use air_boxes::{AirCells, AirCorners, bodies};
 pub(crate) use cells::MeshCells;
 pub use error::MeshError;
 pub(crate) use facets::Facet;
@@ -197,6 +199,11 @@ impl TriangleMesh {
             normal: self.normals[index],
             group: self.group_of[index],
         }
+    }
+
+    /// Whether a triangle belongs to this group.
+    pub(crate) fn has_group(&self, group: usize) -> bool {
+        self.group_of.iter().any(|of| usize::from(*of) == group)
     }
 
     /// All triangles in order.

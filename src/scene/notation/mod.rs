@@ -20,7 +20,7 @@ use serde::ser::{
     Serialize, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleVariant,
     Serializer,
 };
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
@@ -264,6 +264,9 @@ impl Serialize for Written {
 /// Maximum size of the text of a user's field in bytes. A larger file is assumed to be a mistake.
 const LARGEST_FIELD: u64 = 1 << 20;
 
+/// Maximum number of cells of all `Rooms` of a scene: seven times those of the largest.
+const MOST_ROOM_CELLS: usize = 1 << 22;
+
 /// The location of the files that a scene names. Each file is read only once.
 pub(crate) struct Attached {
     /// The name of the scene's text in errors.
@@ -273,6 +276,8 @@ pub(crate) struct Attached {
     meshes: RefCell<Vec<(String, Arc<TriangleMesh>)>>,
     fields: RefCell<Vec<Arc<UserField>>>,
     balloons: RefCell<Vec<(String, Arc<Balloon>)>>,
+    /// Cells of all `Rooms` that were read.
+    room_cells: Cell<usize>,
 }
 
 enum Place {
@@ -301,6 +306,7 @@ impl Attached {
             meshes: RefCell::default(),
             fields: RefCell::default(),
             balloons: RefCell::default(),
+            room_cells: Cell::default(),
         }
     }
 
@@ -348,6 +354,17 @@ impl Attached {
             .borrow_mut()
             .push((name.to_owned(), mesh.clone()));
         Ok(mesh)
+    }
+
+    /// Counts the cells of `Rooms` that are read. The triangles of all `Rooms` of a scene take at most a gigabyte of
+    /// memory.
+    pub fn take_room_cells(&self, count: usize) -> Result<(), SceneError> {
+        let cells = self.room_cells.get() + count;
+        if cells > MOST_ROOM_CELLS {
+            return Err(self.refused("all Rooms of the scene together have too many boxes".into()));
+        }
+        self.room_cells.set(cells);
+        Ok(())
     }
 
     /// Reads the GLSL field with this file name.
@@ -414,7 +431,8 @@ impl Attached {
         }
     }
 
-    fn refused(&self, why: String) -> SceneError {
+    /// An error of something that the scene names.
+    pub fn refused(&self, why: String) -> SceneError {
         SceneError::Attached {
             origin: self.origin.clone(),
             why: in_a_line(&why).into_owned(),

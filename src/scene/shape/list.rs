@@ -167,9 +167,10 @@ macro_rules! every_part {
                 "Bend" bend::Bend,
                 "Morph" morph::Morph,
             }
-            // Operators that are inlined in the shader text, without functions.
+            // Operators that are inlined in the shader text, and shapes without functions of their own.
             written_out: {
                 "Field" user::User,
+                "Rooms" rooms::Rooms,
                 "Complement" complement::Complement,
                 "Translate" translate::Translate,
                 "Rotate" rotate::Rotate,
@@ -187,11 +188,19 @@ pub(crate) use every_part;
 every_part!(all_parts);
 
 impl Node {
-    /// The name in shaders and reports. In scene files a `CappedCylinder` is written as `Cylinder`.
+    /// The name in reports. In scene files a `CappedCylinder` is written as `Cylinder`.
     pub fn name(&self) -> &'static str {
         match self {
             Node::CappedCylinder(_) => "CappedCylinder",
             _ => self.name_in_files(),
+        }
+    }
+
+    /// The name of the node's functions in shaders: `Rooms` are triangles, like a `Mesh`.
+    pub(crate) fn name_in_shaders(&self) -> &'static str {
+        match self {
+            Node::Rooms(_) => "Mesh",
+            _ => self.name(),
         }
     }
 }

@@ -33,6 +33,7 @@ mod prism;
 mod properties;
 mod quadric;
 mod room;
+mod rooms;
 mod rounded_box;
 mod sphere;
 #[cfg(test)]
@@ -77,6 +78,7 @@ pub(crate) use properties::SurfaceKind;
 pub use properties::{Exactness, Properties};
 pub use quadric::GeneralQuadric;
 pub use room::Room;
+pub use rooms::{AirBox, Rooms, RoomsError};
 pub use rounded_box::RoundedBox;
 pub use sphere::Sphere;
 pub use torus::Torus;
@@ -223,10 +225,11 @@ impl Shape {
         (!self.is_basic()).then_some(self)
     }
 
-    /// The mesh, if the shape is one.
+    /// The triangles, if the shape is a mesh or rooms.
     pub(crate) fn mesh(&self) -> Option<&Arc<TriangleMesh>> {
         match &self.node {
             Node::Mesh(of) => Some(&of.mesh),
+            Node::Rooms(of) => Some(of.mesh()),
             _ => None,
         }
     }
@@ -370,8 +373,16 @@ impl Shape {
                 "a field of {count} nodes is too large: at most {MOST_NODES}"
             ));
         }
-        if nodes.len() > 1 && nodes.iter().any(|tree| matches!(tree.node, Node::Mesh(_))) {
-            return Err("a Mesh is a whole surface, and no operand of an operator".to_owned());
+        if nodes.len() > 1
+            && let Some(mesh) = nodes.iter().find(|tree| tree.mesh().is_some())
+        {
+            let what = match mesh.node {
+                Node::Rooms(_) => "Rooms are",
+                _ => "a Mesh is",
+            };
+            return Err(format!(
+                "{what} a whole surface, and no operand of an operator"
+            ));
         }
         for tree in &nodes {
             let named = |why| format!("{}: {why}", tree.node.name());

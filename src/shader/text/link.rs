@@ -297,7 +297,7 @@ macro_rules! files_of_parts {
 /// All functions of the files, which are split into parts only once.
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
-        "common": ahead ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener march_fields mirror_direction
+        "common": ahead air_boxes ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener march_fields mirror_direction
         no_hit on_line onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
         scene_data segment
     );

@@ -4,6 +4,7 @@
 //! the reflection once. Waves that are drawn together hit different surfaces, and a renderer that draws them in
 //! lockstep would compute a separate branch for every surface for all of these waves.
 
+use super::field::rooms_projection;
 use super::link::{fill, source};
 use super::scene_text::{Text, of_kind};
 use super::surface_names::Named;
@@ -85,7 +86,11 @@ fn are_alike(one: &Named, other: &Named) -> bool {
         let numbers = named.literal_numbers();
         numbers.is_some_and(|numbers| numbers.len() <= MOST_SELECTED)
     };
-    is_small(one) && is_small(other) && SurfaceStructure::have_one_text(one.surface, other.surface)
+    let has_own_text = |named: &Named| matches!(named.surface.shape.node, Node::Rooms(_));
+    !has_own_text(one)
+        && is_small(one)
+        && is_small(other)
+        && SurfaceStructure::have_one_text(one.surface, other.surface)
 }
 
 /// The surface whose text serves all members. If a member has a rotation, it is a member with a rotation.
@@ -222,6 +227,8 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     } else if named.field().is_none() {
         let (shape, size) = (named.shape(), named.size());
         statements.push(format!("project{shape}(q{size}, normal);"));
+    } else if let Node::Rooms(rooms) = &named.surface.shape.node {
+        statements.extend(rooms_projection(rooms, &named.point("from"), &vector));
     } else if named.is_mesh() {
         let from = named.point("from");
         let error_bound = named.error_bound();

@@ -271,7 +271,7 @@ impl<'a> Named<'a> {
     }
 
     pub fn shape(&self) -> &'static str {
-        self.surface.shape.name()
+        self.surface.shape.node.name_in_shaders()
     }
 
     /// The signed distance at a world point. For a field it is the field's value.

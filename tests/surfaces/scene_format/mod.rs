@@ -4,6 +4,7 @@
 mod files;
 mod motion;
 mod refusals;
+mod rooms;
 mod shapes;
 mod sound;
 

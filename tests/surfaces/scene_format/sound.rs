@@ -165,7 +165,7 @@ fn bad_sound_is_refused_at_its_place() {
         (
             "(1, 0, 2), material: \"mat\"",
             "(1, 0, 2), walls: (front: \"mat\")",
-            "4:79: only the walls of a Room have materials of their own",
+            "4:79: only the walls of a Room or of Rooms have materials of their own",
         ),
         (
             "\"brick\": Material",

@@ -37,4 +37,5 @@ mod strange_egl;
 mod study;
 mod untrusted;
 mod user_fields;
+mod validation;
 mod webdriver;

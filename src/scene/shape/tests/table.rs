@@ -80,7 +80,7 @@ fn kind(node: &Node) -> usize {
         Node::Bend(_) => 32,
         Node::Morph(_) => 33,
         Node::Octahedron(_) => unreachable!("an example that has its own test"),
-        Node::Mesh(_) => unreachable!(
+        Node::Mesh(_) | Node::Rooms(_) => unreachable!(
             "it is no operand, and tests/surfaces compares it with all of its triangles"
         ),
     }

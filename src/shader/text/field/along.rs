@@ -210,7 +210,7 @@ impl Writer<'_> {
         let Line {
             p, d, error_bound, ..
         } = line;
-        let (name, sign) = (field.node.name(), side.sign());
+        let (name, sign) = (field.node.name_in_shaders(), side.sign());
         let more = arguments(&field.node, n);
         match &field.node {
             Node::HeightField(HeightField { image, .. }) => {
@@ -272,7 +272,7 @@ impl Writer<'_> {
         let Line {
             p, d, error_bound, ..
         } = line;
-        let (name, sign) = (node.name(), side.sign());
+        let (name, sign) = (node.name_in_shaders(), side.sign());
         let (steepness, norm) = quadric_steepness(node, p, n);
         let near = format!(
             "orPlain(quadricAlong({sign}, {gradient}, {d}, {steepness}, {norm}), {error_bound})"

@@ -115,7 +115,7 @@ fn has_chord(node: &Node, in_solid: bool) -> bool {
     match node {
         Node::Room(_) => !in_solid,
         Node::HalfSpace(_) | Node::Plane(_) => true,
-        node => in_solid && has_function(&format!("chord{}", node.name())),
+        node => in_solid && has_function(&format!("chord{}", node.name_in_shaders())),
     }
 }
 
@@ -193,9 +193,9 @@ impl Writer<'_> {
             Node::Cuboid(_) => format!("chordBox({p}, {d}{more})"),
             Node::HalfSpace(_) | Node::Plane(_) => {
                 let sign = if in_solid { "1.0" } else { "-1.0" };
-                format!("chord{}({p}, {d}, {sign}{more})", node.name())
+                format!("chord{}({p}, {d}, {sign}{more})", node.name_in_shaders())
             }
-            node => format!("chord{}({p}, {d}{more})", node.name()),
+            node => format!("chord{}({p}, {d}{more})", node.name_in_shaders()),
         };
         self.chord(&call)
     }

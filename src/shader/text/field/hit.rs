@@ -29,13 +29,13 @@ pub(in crate::shader) fn has_closed_form(field: &Shape) -> bool {
 
 /// Whether a shape has a function for its intersection with a line.
 fn has_hit_function(node: &Node) -> bool {
-    node.part().operands() == (0, 0) && has_function(&format!("hit{}", node.name()))
+    node.part().operands() == (0, 0) && has_function(&format!("hit{}", node.name_in_shaders()))
 }
 
 /// Whether the function for the field's hit takes a limit of the distance.
 pub(in crate::shader) fn takes_limit(field: &Shape) -> bool {
-    let repeats = |node: &&Shape| matches!(node.node, Node::Repeat(_) | Node::Mesh(_));
-    field.nodes().iter().any(repeats)
+    let takes = |node: &&Shape| matches!(node.node, Node::Repeat(_)) || node.mesh().is_some();
+    field.nodes().iter().any(takes)
 }
 
 /// The name of the shape whose hit function also serves the complement of the field, which may be moved; none without
@@ -133,7 +133,8 @@ impl Writer<'_> {
             Node::Complement(_) => self.hit(&field.children[0], line, true),
             Node::Union(_) => self.hit_union(field, line, inside_out),
             Node::Repeat(_) => self.hit_copies(field, line, &n),
-            node => self.hit_shape(node, line, &n, inside_out),
+            Node::Rooms(_) => self.hit_rooms([p, d, error_bound, limit], &n),
+            _ => self.hit_shape(field, line, &n, inside_out),
         }
     }
 
@@ -211,16 +212,13 @@ impl Writer<'_> {
         t
     }
 
-    fn hit_shape(&mut self, node: &Node, line: Line, n: &[String], out: bool) -> String {
+    fn hit_shape(&mut self, shape: &Shape, line: Line, n: &[String], out: bool) -> String {
+        let node = &shape.node;
         let Line {
             p, d, error_bound, ..
         } = line;
-        let name = node.name();
+        let name = node.name_in_shaders();
         let call = match node {
-            Node::Mesh(of) => {
-                let first = self.assets.mesh(&of.mesh).unwrap_or(0);
-                format!("hitMesh({p}, {d}, {error_bound}, {}, {first})", line.limit)
-            }
             Node::Ellipsoid(_)
             | Node::Paraboloid(_)
             | Node::Hyperboloid(_)
@@ -234,7 +232,13 @@ impl Writer<'_> {
             Node::Plane(_) | Node::Room(_) | Node::Sphere(_) | Node::Cylinder(_) => {
                 format!("hit{name}({p}, {d}{})", arguments(node, n))
             }
-            _ => format!("hit{name}({p}, {d}{}, {error_bound})", arguments(node, n)),
+            _ => match shape.mesh() {
+                Some(mesh) => {
+                    let first = self.assets.mesh(mesh).unwrap_or(0);
+                    format!("hitMesh({p}, {d}, {error_bound}, {}, {first})", line.limit)
+                }
+                None => format!("hit{name}({p}, {d}{}, {error_bound})", arguments(node, n)),
+            },
         };
         self.length(&call)
     }

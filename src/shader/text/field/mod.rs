@@ -15,12 +15,14 @@ mod chords;
 mod copies;
 mod function_kind;
 mod hit;
+mod rooms;
 mod value;
 
 pub(in crate::shader) use along::{free_text, is_bounded, leaps};
 pub(in crate::shader) use chords::{chords_text, has_chords};
 pub(super) use function_kind::has_differences;
 pub(in crate::shader) use hit::{has_closed_form, hit_text, takes_limit};
+pub(in crate::shader) use rooms::projection as rooms_projection;
 pub(super) use value::{
     gradient_text, is_known_on_lines, is_smooth_on_lines, line_text, normal_text, value_text,
 };

@@ -56,7 +56,7 @@ pub(in crate::shader) fn is_smooth_on_lines(field: &Shape) -> bool {
         | Node::SmoothUnion(_)
         | Node::Offset(_)
         | Node::Morph(_) => true,
-        node => is_quadric(node) || has_function(&format!("bend{}", node.name())),
+        node => is_quadric(node) || has_function(&format!("bend{}", node.name_in_shaders())),
     };
     field.nodes().into_iter().all(smooth)
 }
@@ -158,7 +158,7 @@ impl<'a> Writer<'a> {
             }
             Node::Shell(_) | Node::Offset(_) => {
                 let of = self.node(&field.children[0], kind, p);
-                let (operator, name) = (kind.operator(), field.node.name());
+                let (operator, name) = (kind.operator(), field.node.name_in_shaders());
                 self.result(kind, &format!("{operator}{name}({of}, {})", numbers[0]))
             }
             Node::Repeat(_) => self.repeated(field, kind, p, &numbers),
@@ -200,8 +200,8 @@ impl<'a> Writer<'a> {
             let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
             let _ = write!(call, ", {first}, ivec2({}, {})", size.x, size.y);
         }
-        if let Node::Mesh(of) = &field.node {
-            let _ = write!(call, ", {}", self.assets.mesh(&of.mesh).unwrap_or(0));
+        if let Some(mesh) = field.mesh() {
+            let _ = write!(call, ", {}", self.assets.mesh(mesh).unwrap_or(0));
         }
         call.push(')');
         self.result(kind, &call)
@@ -218,7 +218,7 @@ impl<'a> Writer<'a> {
             );
         }
         let gradient = self.shape(field, Kind::Gradient, p, numbers);
-        let name = field.node.name();
+        let name = field.node.name_in_shaders();
         let bend = if is_quadric(&field.node) {
             let (steepness, norm) = quadric_steepness(&field.node, p, numbers);
             format!("bendOfQuadric({steepness}, {norm})")
@@ -235,7 +235,7 @@ impl<'a> Writer<'a> {
     pub(super) fn shape_name(&self, field: &Shape) -> String {
         match &field.node {
             Node::User(User { field }) => format!("User{}", self.assets.user(field).unwrap_or(0)),
-            node => node.name().to_owned(),
+            node => node.name_in_shaders().to_owned(),
         }
     }
 
@@ -247,7 +247,7 @@ impl<'a> Writer<'a> {
             .unwrap_or_default();
         for child in &field.children[1..] {
             let other = self.node(child, kind, p);
-            let name = field.node.name();
+            let name = field.node.name_in_shaders();
             let operator = kind.operator();
             result = self.result(kind, &format!("{operator}{name}({result}, {other}{more})"));
         }
