@@ -25,7 +25,7 @@ readonly TOOLS="$PWD/target/python/tools"
 # The oldest C library with which the standard library of Rust and std's threads link: manylinux2014.
 readonly MANYLINUX=manylinux2014
 readonly MATURIN=maturin==1.16.0
-readonly ZIG=ziglang==0.15.2
+readonly ZIG=ziglang==0.17.1
 readonly AUDITWHEEL=auditwheel==6.8.2
 
 plain=false
