@@ -18,7 +18,7 @@ SCENES = REPOSITORY / "examples" / "scenes"
 @pytest.fixture
 def room():
     """A room that takes a tenth of a second."""
-    room = em.Scene.shoebox((8, 3, 5), absorption={"floor": "carpet", "ceiling": 0.6, "left": 0.2, "right": 0.3})
+    room = em.Scene.shoebox((8, 3, 5), {"floor": "carpet", "ceiling": 0.6, "left": 0.2, "right": 0.3, "front": 0.1, "back": 0.2})
     room.add_source("talker", (-2, 0, -1.5))
     room.add_listener("seat", (2, -0.3, 1.5), yaw=30)
     return room

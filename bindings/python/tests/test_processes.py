@@ -154,7 +154,7 @@ def test_users_glsl_is_tried_in_a_child_process(tmp_path):
     room = with_field(em.Scene.shoebox((8, 3, 5), 0.3))
     r = em.response(room, **CHEAP)
     assert r.paths["kind"][0] != "direct"
-    field.write_text("float field(vec3 p) { float x = p.x; for (int i = 0; i < 2000000000; i++) { x = sin(x + p.y); } return length(p) - 0.8 + 0.0 * x; }")
+    field.write_text("float field(vec3 p) { float x = p.x; for (int i = 0; i < 2000000000; i++) { x = sin(x + p.y); } return length(p) - 0.8 + 1e-9 * x; }")
     endless = with_field(em.Scene.shoebox((8, 3, 5), 0.3))
     with pytest.raises(em.SettingsError, match="ball.glsl"):
         em.response(endless, **CHEAP)

@@ -124,22 +124,22 @@ def test_missing_packages_are_named(room, monkeypatch, package, call):
 def test_progress_reports_each_round(room, capsys):
     """Protects progress: each round is reported, the last one as the last, and a text goes to standard error."""
     rounds = []
-    r = em.response(room, accuracy=0.01, progress=rounds.append)
+    r = em.response(room, accuracy=0.004, progress=rounds.append)
     assert len(rounds) > 1 and rounds[-1].next_waves is None and rounds[-1].share == 1.0
     assert [after.waves for after in rounds[1:]] == [before.next_waves for before in rounds[:-1]]
     assert rounds[-1].waves == r.waves and 0 < rounds[0].accurate < rounds[0].defined
     em.response(room, **CHEAP, accuracy=0.05, progress=True)
     assert "shoebox: 100%" in capsys.readouterr().err
     with pytest.raises(ZeroDivisionError):
-        em.response(room, accuracy=0.01, progress=lambda _: 1 / 0)
-    assert em.response(room, accuracy=0.01) == r
+        em.response(room, accuracy=0.004, progress=lambda _: 1 / 0)
+    assert em.response(room, accuracy=0.004) == r
 
 
 @pytest.mark.parametrize(
     "settings, sentence",
     [
         ({"accuracy": 0.5}, "accuracy of figures must be 0.001 to 0.05"),
-        ({"waves": 0}, "number of waves"),
+        ({"waves": 0}, "waves must be 1 to 16777216, not 0"),
         ({"waves": 100, "time_limit": 1}, "time_limit needs accuracy"),
         ({"seconds": 100}, "60"),
         ({"order": 99}, "order of exact paths must be 0 to 16, not 99"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from typing import Any, Callable, NamedTuple, Optional, Union
 
@@ -50,11 +51,10 @@ class Bar:
             end = "\n" if share >= 1.0 else ""
             print(f"\r{self._label}: {share:4.0%} {text}".ljust(79), end=end, file=sys.stderr, flush=True)
             return
-        from IPython.display import HTML, display
-
-        bar = HTML(f'{self._label} <progress value="{share:.3f}" max="1"></progress> {text}')
+        shown: Any = importlib.import_module("IPython.display")
+        bar = shown.HTML(f'{self._label} <progress value="{share:.3f}" max="1"></progress> {text}')
         if self._handle is None:
-            self._handle = display(bar, display_id=True)
+            self._handle = shown.display(bar, display_id=True)
         else:
             self._handle.update(bar)
 

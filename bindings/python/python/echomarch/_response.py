@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
 
@@ -42,6 +43,9 @@ _PATHS_DTYPE = np.dtype(
     ]
 )
 _ECHOGRAM_DTYPE = np.dtype([("time_s", "f8"), ("energy", "f8", (8,)), ("flow", "f8", (8, 3))])
+
+_UNKNOWN_TO_SOFA = ("ReceiverDescriptions", "EmitterDescriptions", "RoomVolume", "RoomTemperature", "RoomCorners",
+                    "RoomCornerA", "RoomCornerB")
 
 _DEFAULT_ACCURACY = 0.02
 
@@ -312,7 +316,8 @@ class Response:
             np.add.at(energy, np.minimum((part[0] / step).astype(int), count - 1), part[1])
         later = np.cumsum(energy[::-1], axis=0)[::-1]
         with np.errstate(divide="ignore", invalid="ignore"):
-            return step * np.arange(count), 10.0 * np.log10(later / later[0])
+            levels: npt.NDArray[np.float64] = 10.0 * np.log10(later / later[0])
+        return step * np.arange(count, dtype=np.float64), levels
 
     def plot(self, ax: Any = None) -> Any:
         """Plot the decay curve of each band (needs matplotlib), and return the axes.
@@ -322,10 +327,7 @@ class Response:
         ax : matplotlib.axes.Axes, optional
             The axes to draw in; new ones by default.
         """
-        try:
-            import matplotlib.pyplot as plt
-        except ImportError:
-            raise needed("matplotlib", "a plot") from None
+        plt = _optional("matplotlib.pyplot", "a plot")
         if ax is None:
             _, ax = plt.subplots()
         times, levels = self.decay()
@@ -344,10 +346,7 @@ class Response:
         seed: Optional[int] = None,
     ) -> Any:
         """Return the impulse response as a ``pyfar.Signal`` (needs pyfar); the parameters are those of :meth:`ir`."""
-        try:
-            import pyfar
-        except ImportError:
-            raise needed("pyfar", "to_pyfar") from None
+        pyfar = _optional("pyfar", "to_pyfar")
         samples = self.ir(rate, format, sofa, seed).astype(np.float64)
         comment = f"{self.scene}: {self.source} at {self.listener}, {format}"
         return pyfar.Signal(samples, rate, fft_norm="none", comment=comment)
@@ -371,19 +370,19 @@ class Response:
         rate, format, sofa, seed
             As in :meth:`ir`. Each channel is a receiver of the file.
         """
-        try:
-            import sofar
-        except ImportError:
-            raise needed("sofar", "to_sofa") from None
+        sofar = _optional("sofar", "to_sofa")
         samples = self.ir(rate, format, sofa, seed).astype(np.float64)
         channels = len(samples)
         about = self._heard.about()
         written = sofar.Sofa("SingleRoomSRIR")
+        # Optional in the convention; sofar 1.3 cannot write texts with netCDF4 1.7.5, and the room is no box.
+        for name in _UNKNOWN_TO_SOFA:
+            written.delete(name)
         written.GLOBAL_Title = f"{self.scene}: {self.source} at {self.listener}"
         written.GLOBAL_ApplicationName = "Echomarch"
         written.GLOBAL_ApplicationVersion = _echomarch.__version__
         written.GLOBAL_RoomType = "reverberant"
-        written.GLOBAL_Comment = f"format {format}; renderer {self.renderer}; seed {self.seed}"
+        written.GLOBAL_Comment = f"receivers: {', '.join(_receivers(format))}; renderer {self.renderer}; seed {self.seed}"
         for name in "Listener", "Source":
             setattr(written, f"{name}Position", _axes.to_pyfar(about[f"{name.lower()}_position"])[np.newaxis])
             setattr(written, f"{name}Position_Type", "cartesian")
@@ -391,7 +390,8 @@ class Response:
         written.ListenerView = _axes.to_pyfar(about["listener_view"])[np.newaxis]
         written.ListenerUp = _axes.to_pyfar(about["listener_up"])[np.newaxis]
         written.ReceiverPosition = np.zeros((channels, 3))
-        written.ReceiverDescriptions = _receivers(format)
+        written.ReceiverView = np.tile([1.0, 0.0, 0.0], (channels, 1))
+        written.ReceiverUp = np.tile([0.0, 0.0, 1.0], (channels, 1))
         written.Data_IR = samples[np.newaxis]
         written.Data_Delay = np.zeros((1, channels))
         written.Data_SamplingRate = float(rate)
@@ -401,6 +401,14 @@ class Response:
         t30 = self.figures["t30"][4]
         heard = "T30 not defined" if np.isnan(t30) else f"T30 {t30:.2f} s"
         return f"<echomarch.Response of {self.scene!r}: {self.source} at {self.listener}, {heard} at 1 kHz>"
+
+
+def _optional(module: str, what: str) -> Any:
+    """Import a module of an optional package."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise needed(module.split(".")[0], what) from None
 
 
 def _receivers(format: str) -> List[str]:

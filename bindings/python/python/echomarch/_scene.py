@@ -435,12 +435,12 @@ class Scene:
         self._do("clear_listeners")
 
     def _place(self, what: str, position: Sequence[Any]) -> List[float]:
-        return list(_axes.given_in(self._axes, _axes.triple(what, position)))
+        return [float(each) for each in _axes.given_in(self._axes, _axes.triple(what, position))]
 
     def _angles(self, view: Optional[Vector], yaw: float, pitch: float) -> Tuple[float, float]:
         if view is None:
             return yaw, pitch
-        return _axes.yaw_and_pitch(_axes.given_in(self._axes, _axes.triple("a view", view)))
+        return _axes.yaw_and_pitch(self._place("a view", view))
 
     # Values and time
 

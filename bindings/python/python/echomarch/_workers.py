@@ -211,7 +211,7 @@ def _study_shard(file: str, shard: int, of: int, folder: str) -> None:
     Study(file).compute(shard, of, folder, None)
 
 
-TASKS = {"response": _response, "study": _study_shard}
+TASKS: Dict[str, Any] = {"response": _response, "study": _study_shard}
 
 
 def main() -> None:
@@ -223,7 +223,7 @@ def main() -> None:
     requests, results = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     # Drivers may print. Their output must not be among the results.
     os.dup2(2, 1)
-    chosen: Optional[Tuple[str, Optional[int]]] = receive(requests)
+    chosen: Tuple[str, Optional[int]] = receive(requests)
     if chosen != _renderer.chosen():
         _renderer.use_renderer(*chosen)
     while True:
