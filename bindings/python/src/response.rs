@@ -59,8 +59,9 @@ impl Progress {
         let figures = &round.response.figures;
         let count = BandFigures::NAMES.len();
         let all = (0..BAND_COUNT).flat_map(|band| (0..count).map(move |figure| (band, figure)));
-        let defined: Vec<bool> =
-            all.filter_map(|(band, figure)| figures.is_accurate(accuracy, band, figure)).collect();
+        let defined: Vec<bool> = all
+            .filter_map(|(band, figure)| figures.is_accurate(accuracy, band, figure))
+            .collect();
         Progress {
             waves: round.response.waves,
             next_waves: round.next_waves,
@@ -79,13 +80,18 @@ fn settings(given: &Bound<PyDict>) -> PyResult<ResponseSettings> {
         match name.extract::<String>()?.as_str() {
             "profile" => {
                 let profile: Profile = value.extract::<String>()?.parse().map_err(of_text)?;
-                let Settings { seed, directions, .. } = trace;
+                let Settings {
+                    seed, directions, ..
+                } = trace;
                 trace = Settings::new(Algorithm::of(profile));
                 trace = trace.with_seed(seed).with_directions(directions);
             }
             "seed" => trace.seed = value.extract()?,
             "directions" => {
-                trace.directions = value.extract::<String>()?.parse::<Directions>().map_err(of_text)?;
+                trace.directions = value
+                    .extract::<String>()?
+                    .parse::<Directions>()
+                    .map_err(of_text)?;
             }
             "accuracy" => accuracy = value.extract::<Option<f64>>()?,
             "waves" => waves = value.extract::<Option<u32>>()?,
@@ -140,7 +146,12 @@ pub fn response(
     };
     worker::run(py, job, |round| match &progress {
         Some(call) => {
-            let Progress { waves, next_waves, accurate, defined } = round;
+            let Progress {
+                waves,
+                next_waves,
+                accurate,
+                defined,
+            } = round;
             call.call1((waves, next_waves, accurate, defined)).map(drop)
         }
         None => Ok(()),
@@ -181,7 +192,11 @@ fn names(scene: &echomarch::Scene, response: &Response) -> Vec<Vec<String>> {
         })
         .collect()
     };
-    response.paths.iter().map(|heard| of_path(&heard.path)).collect()
+    response
+        .paths
+        .iter()
+        .map(|heard| of_path(&heard.path))
+        .collect()
 }
 
 /// A missing number as NaN.
@@ -199,13 +214,19 @@ impl Heard {
     /// The figures by band: 8 rows, one column for each figure. NaN where a figure is missing.
     fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.response.figures.bands.iter();
-        matrix(py, rows.map(|band| band.list().map(or_nan).to_vec()).collect())
+        matrix(
+            py,
+            rows.map(|band| band.list().map(or_nan).to_vec()).collect(),
+        )
     }
 
     /// The standard errors of the figures, in the same form.
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.response.figures.errors.iter();
-        matrix(py, rows.map(|band| band.list().map(or_nan).to_vec()).collect())
+        matrix(
+            py,
+            rows.map(|band| band.list().map(or_nan).to_vec()).collect(),
+        )
     }
 
     /// The times of the echogram's bins in seconds (their middles).
@@ -218,8 +239,9 @@ impl Heard {
     /// The energy of each bin and band in 1/m².
     fn bin_energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let echogram = &self.response.echogram;
-        let rows: Vec<Vec<f64>> =
-            (0..echogram.bins()).map(|bin| echogram.energy(bin).to_vec()).collect();
+        let rows: Vec<Vec<f64>> = (0..echogram.bins())
+            .map(|bin| echogram.energy(bin).to_vec())
+            .collect();
         match rows.is_empty() {
             true => Ok(PyArray2::zeros(py, [0, BAND_COUNT], false)),
             false => matrix(py, rows),
@@ -230,7 +252,9 @@ impl Heard {
     fn bin_flows<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let echogram = &self.response.echogram;
         let bins = 0..echogram.bins();
-        let all = bins.flat_map(|bin| echogram.flow(bin)).flat_map(|flow| flow.to_array());
+        let all = bins
+            .flat_map(|bin| echogram.flow(bin))
+            .flat_map(|flow| flow.to_array());
         let all: Vec<f64> = all.collect();
         PyArray1::from_vec(py, all).reshape([echogram.bins(), BAND_COUNT, 3])
     }
@@ -244,8 +268,16 @@ impl Heard {
     #[expect(clippy::type_complexity, reason = "the package gives the tuples names")]
     fn paths(
         &self,
-    ) -> Vec<(&'static str, usize, f64, f64, [f64; BAND_COUNT], [f64; BAND_COUNT], [f64; 3], bool)>
-    {
+    ) -> Vec<(
+        &'static str,
+        usize,
+        f64,
+        f64,
+        [f64; BAND_COUNT],
+        [f64; BAND_COUNT],
+        [f64; 3],
+        bool,
+    )> {
         let paths = self.response.paths.iter();
         paths
             .map(|heard| {
@@ -274,7 +306,12 @@ impl Heard {
     /// The points at which each path is reflected or bends, in world metres.
     fn path_points(&self) -> Vec<Vec<[f64; 3]>> {
         let points = |heard: &echomarch::response::HeardPath| {
-            heard.path.points.iter().map(|point| point.to_array()).collect()
+            heard
+                .path
+                .points
+                .iter()
+                .map(|point| point.to_array())
+                .collect()
         };
         self.response.paths.iter().map(points).collect()
     }
@@ -347,7 +384,10 @@ impl Heard {
         about.set_item("seconds", response.seconds)?;
         about.set_item("milliseconds", response.milliseconds)?;
         about.set_item("time_origin_s", or_nan(response.figures.begins_s))?;
-        about.set_item("time_origin_error_s", or_nan(response.figures.begins_error_s))?;
+        about.set_item(
+            "time_origin_error_s",
+            or_nan(response.figures.begins_error_s),
+        )?;
         about.set_item("cut_off", response.figures.cut_off.map(or_nan))?;
         about.set_item("missed_early_share", or_nan(response.missed.energy_share()))?;
         about.set_item("left_out_share", response.left_out_share)?;
@@ -373,11 +413,13 @@ impl Heard {
         settings.format = match (format, sofa) {
             ("binaural", Some(file)) => Format::Binaural(Arc::new(hrirs(file, rate_hz)?)),
             ("binaural", None) => {
-                let message = "the format binaural needs head-related impulse responses: sofa=\"FILE.sofa\"";
+                let message =
+                    "the format binaural needs head-related impulse responses: sofa=\"FILE.sofa\"";
                 return Err(errors::settings(message.to_owned()));
             }
             (_, Some(_)) => {
-                let message = format!("sofa= has no effect on the format {format}: only binaural uses it");
+                let message =
+                    format!("sofa= has no effect on the format {format}: only binaural uses it");
                 return Err(errors::settings(message));
             }
             ("mono", None) => Format::Mono,
@@ -400,5 +442,7 @@ impl Heard {
 /// Reads head-related impulse responses at a sampling rate.
 fn hrirs(file: PathBuf, rate_hz: u32) -> PyResult<HrirSet> {
     let hrirs = HrirSet::read_sofa(&file).map_err(errors::from)?;
-    hrirs.at_rate(rate_hz).map_err(|error| errors::from(ResponseError::from(error)))
+    hrirs
+        .at_rate(rate_hz)
+        .map_err(|error| errors::from(ResponseError::from(error)))
 }

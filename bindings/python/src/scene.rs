@@ -54,9 +54,14 @@ fn parts(fields: &[&str], origin: &str, folder: &Path) -> PyResult<echomarch::Sc
 
 /// A message without the line and column after its origin: the text of a part is not the caller's text.
 fn without_place(message: &str, origin: &str) -> String {
-    let after = message.strip_prefix(origin).and_then(|rest| rest.strip_prefix(":1:"));
+    let after = message
+        .strip_prefix(origin)
+        .and_then(|rest| rest.strip_prefix(":1:"));
     match after {
-        Some(rest) => format!("{origin}{}", rest.trim_start_matches(|c: char| c.is_ascii_digit())),
+        Some(rest) => format!(
+            "{origin}{}",
+            rest.trim_start_matches(|c: char| c.is_ascii_digit())
+        ),
         None => message.to_owned(),
     }
 }
@@ -68,15 +73,17 @@ impl Scene {
         let named = |surface: &Surface| surface.name.as_deref() == Some(label);
         let by_number = || label.parse::<usize>().ok()?.checked_sub(1);
         let found = surfaces.iter().position(named).or_else(by_number);
-        found.filter(|index| *index < surfaces.len()).ok_or_else(|| {
-            let known = self.surfaces();
-            let message = format!(
-                "scene {:?} has no surface {label:?}; it has: {}",
-                self.inner.name,
-                known.join(", ")
-            );
-            errors::settings(message)
-        })
+        found
+            .filter(|index| *index < surfaces.len())
+            .ok_or_else(|| {
+                let known = self.surfaces();
+                let message = format!(
+                    "scene {:?} has no surface {label:?}; it has: {}",
+                    self.inner.name,
+                    known.join(", ")
+                );
+                errors::settings(message)
+            })
     }
 
     /// The pair of a source and a listener, given by indices.
@@ -160,12 +167,7 @@ impl Scene {
     }
 
     /// Gives a surface, or one of its walls or groups of faces, the material of this name.
-    fn set_material(
-        &mut self,
-        surface: &str,
-        part: Option<&str>,
-        material: &str,
-    ) -> PyResult<()> {
+    fn set_material(&mut self, surface: &str, part: Option<&str>, material: &str) -> PyResult<()> {
         let index = self.surface(surface)?;
         let label = self.inner.surfaces[index].label(index);
         let surface = &mut self.inner.surfaces[index];
@@ -180,7 +182,9 @@ impl Scene {
                 true => "it has no parts".to_owned(),
                 false => format!("it has: {}", names.join(", ")),
             };
-            return Err(errors::settings(format!("{label} has no part {part:?}; {known}")));
+            return Err(errors::settings(format!(
+                "{label} has no part {part:?}; {known}"
+            )));
         };
         match surface.shape.name() == "Mesh" {
             true => drop(surface.faces.insert(part.to_owned(), material.to_owned())),
@@ -288,14 +292,26 @@ impl Scene {
 
     /// The labels and positions of the sources.
     fn sources(&self) -> Vec<(String, [f32; 3])> {
-        let places = self.inner.sources.iter().map(|source| source.position.to_array());
+        let places = self
+            .inner
+            .sources
+            .iter()
+            .map(|source| source.position.to_array());
         self.inner.source_labels().into_iter().zip(places).collect()
     }
 
     /// The labels and positions of the listeners.
     fn listeners(&self) -> Vec<(String, [f32; 3])> {
-        let places = self.inner.listeners.iter().map(|listener| listener.position.to_array());
-        self.inner.listener_labels().into_iter().zip(places).collect()
+        let places = self
+            .inner
+            .listeners
+            .iter()
+            .map(|listener| listener.position.to_array());
+        self.inner
+            .listener_labels()
+            .into_iter()
+            .zip(places)
+            .collect()
     }
 
     /// The speed of sound in metres per second.

@@ -55,7 +55,9 @@ impl Study {
         let job = move |tracer: &mut Tracer, observer: &Observer<u64>| {
             let own = Tracer::new(tracer.context())?;
             let mut worker = Worker::new(&study, own);
-            Ok(compute(&mut worker, shard, &folder, &mut |done| observer.report(done)))
+            Ok(compute(&mut worker, shard, &folder, &mut |done| {
+                observer.report(done)
+            }))
         };
         let done: Result<(), StudyError> = worker::run(py, job, |done| match &progress {
             Some(call) => call.call1((done,)).map(drop),
