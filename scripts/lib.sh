@@ -32,6 +32,7 @@ readonly -a NEEDED_TO_TEST=(
     "command:Xvfb         xvfb              a virtual display, for the window"
     "command:xdotool      xdotool           presses the window's keys"
     "command:sox          sox               reads written WAV files"
+    "python:ensurepip     python3-venv      a clean environment for the Python package"
     "icd:lvp              mesa-vulkan-drivers Vulkan in software, for another OpenGL (zink)"
 )
 
@@ -99,6 +100,7 @@ is_there() {
     case "$1" in
     command:*) command -v "${1#command:}" >/dev/null ;;
     file:*) [[ -e "${1#file:}" ]] ;;
+    python:*) python3 -c "import ${1#python:}" 2>/dev/null ;;
     start:*) has_start_code "${1#start:}" ;;
     dri:*) has_dri_driver "${1#dri:}" ;;
     icd:*) has_vulkan_driver "${1#icd:}" ;;

@@ -169,6 +169,7 @@ check_all() {
     run cargo test "${EVERYTHING[@]}"
     check_other_implementations
     run scripts/browser-test.sh
+    run scripts/python-test.sh
     check_oldest_rust
     check_crates
     check_package

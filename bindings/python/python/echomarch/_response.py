@@ -1,0 +1,426 @@
+"""Responses: the sound of one source at one listener."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _axes, _echomarch, _progress
+from ._errors import SettingsError, needed
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+AnyPath = Union[str, "os.PathLike[str]"]
+AnyLabel = Union[str, int, None]
+
+BANDS_HZ = np.array(_echomarch.BANDS_HZ)
+"""Centre frequencies of the octave bands in Hz."""
+
+FIGURES = tuple(name.split("_")[0] for name in _echomarch.FIGURES)
+"""Names of the figures: edt, t20, t30 (s), c50, c80 (dB), d50 (0 to 1), ts (s), g (dB)."""
+
+_FIGURES_DTYPE = np.dtype(
+    [("band_hz", "f8"), *((name + end, "f8") for name in FIGURES for end in ("", "_error"))]
+)
+_PATHS_DTYPE = np.dtype(
+    [
+        ("kind", "U11"),
+        ("order", "i4"),
+        ("delay_s", "f8"),
+        ("length_m", "f8"),
+        ("g_db", "f8"),
+        ("energy", "f8", (8,)),
+        ("error_db", "f8", (8,)),
+        ("direction", "f8", (3,)),
+        ("azimuth_deg", "f8"),
+        ("elevation_deg", "f8"),
+        ("is_focus", "?"),
+    ]
+)
+_ECHOGRAM_DTYPE = np.dtype([("time_s", "f8"), ("energy", "f8", (8,)), ("flow", "f8", (8, 3))])
+
+_UNKNOWN_TO_SOFA = ("ReceiverDescriptions", "EmitterDescriptions", "RoomVolume", "RoomTemperature", "RoomCorners",
+                    "RoomCornerA", "RoomCornerB")
+
+_DEFAULT_ACCURACY = 0.02
+
+
+def response(
+    scene: "Scene",
+    source: AnyLabel = None,
+    listener: AnyLabel = None,
+    *,
+    accuracy: Optional[float] = None,
+    waves: Optional[int] = None,
+    seed: int = 1,
+    seconds: Optional[float] = None,
+    order: Optional[int] = None,
+    diffraction: bool = False,
+    transmission: bool = True,
+    profile: str = "hybrid",
+    directions: str = "random",
+    time_limit: Optional[float] = None,
+    progress: _progress.AnyProgress = None,
+) -> "Response":
+    """Trace the sound of a source at a listener.
+
+    Results depend on the scene, the settings, the seed and the renderer only. They equal those of the program
+    (``echomarch impulse``) with the same seed to the last digit. The GIL is released while waves are traced. All calls of
+    a process share one OpenGL context on a thread of its own, so that calls from several threads wait for each other.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    source, listener : str or int, optional
+        Name or number (from 1) of the source and of the listener; not needed if there is only one.
+    accuracy : float, optional
+        Standard error of EDT, T20 and T30 as a share of the time, 0.001 to 0.05. C50, C80 and G have a tenth of a
+        decibel for each per cent. The number of waves grows until all figures have this error. The default is 0.02
+        unless `waves` is given.
+    waves : int, optional
+        Number of waves; with `accuracy` the maximum number.
+    seed : int
+        Seed of the start directions, and of the noise in :meth:`Response.ir`.
+    seconds : float, optional
+        Length of the record in s. By default it ends when all bands have decayed by 60 dB, at most after 10 s.
+    order : int, optional
+        Maximum number of reflections of exact paths; 8 by default if all surfaces are flat, otherwise 3.
+    diffraction : bool
+        Whether the direct sound, and reflections at plane faces, bend around obstacles.
+    transmission : bool
+        Whether sound passes through solids whose material transmits sound.
+    profile : {"hybrid", "march"}
+        The algorithm.
+    directions : {"random", "fibonacci"}
+        Start directions.
+    time_limit : float, optional
+        Time in s after which no more waves are added for `accuracy`. The result then depends on the speed of the
+        machine.
+    progress : callable, bool or None
+        A function that receives a :class:`Progress` after each round. True shows progress on standard error or in a
+        notebook, None only in a notebook, False never.
+
+    Returns
+    -------
+    Response
+
+    Raises
+    ------
+    SceneError, SettingsError, RendererError
+        With the sentences of the program.
+    ForkError
+        In a process that was forked after OpenGL had been opened.
+    KeyboardInterrupt
+        Within 50 ms of Ctrl+C. The interrupted round ends in the background.
+    """
+    given = {
+        "accuracy": _DEFAULT_ACCURACY if accuracy is None and waves is None else accuracy,
+        "waves": waves,
+        "seed": seed,
+        "seconds": seconds,
+        "order": order,
+        "diffraction": diffraction,
+        "transmission": transmission,
+        "profile": profile,
+        "directions": directions,
+        "time_limit": time_limit,
+    }
+    if time_limit is not None and given["accuracy"] is None:
+        raise SettingsError("time_limit needs accuracy: without it, exactly the given number of waves is traced")
+    pair = scene._pair(source, listener)
+    show = _progress.of_rounds(progress, scene.name)
+    return Response(_echomarch.response(scene._raw, *pair, given, show), scene.axes)
+
+
+class Response:
+    """The sound of one source at one listener: figures, exact paths, echogram, impulse responses.
+
+    A response is plain data. It can be pickled, copied, and used on any thread.
+
+    Attributes
+    ----------
+    scene, source, listener : str
+        Names of the scene, the source and the listener.
+    renderer : str
+        Name of the OpenGL renderer.
+    source_position, listener_position : tuple of 3 floats
+        In m, in the axes of the scene.
+    speed_of_sound : float
+        In m/s.
+    seed, waves : int
+        The seed, and the number of waves for late arrivals.
+    seconds : float
+        Length of the record in s after the source's impulse.
+    milliseconds : float
+        Time of the computation in ms.
+    time_origin_s : float
+        Time origin of the figures in s after the source's impulse; NaN if nothing arrives.
+    """
+
+    scene: str
+    source: str
+    listener: str
+    renderer: str
+    source_position: Tuple[float, float, float]
+    listener_position: Tuple[float, float, float]
+    speed_of_sound: float
+    seed: int
+    waves: int
+    seconds: float
+    milliseconds: float
+    time_origin_s: float
+    time_origin_error_s: float
+    missed_early_share: float
+    left_out_share: float
+    search_left_out_share: float
+    followed_s: Optional[float]
+
+    def __init__(self, heard: "_echomarch.Heard", axes: str) -> None:
+        self._heard = heard
+        self._axes = axes
+        about = heard.about()
+        for name in ("source_position", "listener_position", "listener_view", "listener_up"):
+            about[name] = tuple(_axes.shown_in(axes, about[name]).tolist())
+        about["cut_off"] = np.array(about["cut_off"])
+        del about["bands_hz"]
+        self.__dict__.update(about)
+
+    def __reduce__(self) -> Any:
+        return _restored, (self._heard.to_bytes(), self._axes)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both responses have the same numbers, apart from the time that they took."""
+        return isinstance(other, Response) and self._heard == other._heard
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def figures(self) -> npt.NDArray[Any]:
+        """Room acoustic figures by octave band (ISO 3382-1), and their standard errors.
+
+        Returns
+        -------
+        numpy.ndarray, shape (8,), structured
+            ``band_hz`` (Hz); ``edt``, ``t20``, ``t30``, ``ts`` (s); ``c50``, ``c80``, ``g`` (dB); ``d50`` (0 to 1);
+            each with ``…_error``, one standard deviation in the same unit. NaN where a figure is not defined or too
+            noisy. ``pandas.DataFrame(r.figures)`` is a table.
+        """
+        table = np.zeros(8, _FIGURES_DTYPE)
+        table["band_hz"] = BANDS_HZ
+        values, errors = self._heard.figures(), self._heard.errors()
+        for column, name in enumerate(FIGURES):
+            table[name] = values[:, column]
+            table[name + "_error"] = errors[:, column]
+        return table
+
+    @property
+    def paths(self) -> npt.NDArray[Any]:
+        """Exact paths by arrival time.
+
+        Returns
+        -------
+        numpy.ndarray, shape (paths,), structured
+            ``kind`` (direct, mirrored, diffracted, transmitted, added); ``order``, the number of reflections;
+            ``delay_s`` after the source's impulse; ``length_m``; ``g_db``, strength *G* of the mean energy of all
+            bands; ``energy`` (8 bands, 1/m²); ``error_db`` (8 bands, of diffracted paths); ``direction`` of flight at
+            the listener, in the axes of the scene; ``azimuth_deg`` to the right of the view, ``elevation_deg``;
+            ``is_focus``.
+        """
+        found = self._heard.paths()
+        table = np.zeros(len(found), _PATHS_DTYPE)
+        if not found:
+            return table
+        kind, order, delay, length, energy, error, direction, focus = zip(*found)
+        table["kind"], table["order"], table["delay_s"], table["length_m"] = kind, order, delay, length
+        table["energy"], table["error_db"], table["is_focus"] = energy, error, focus
+        table["direction"] = _axes.shown_in(self._axes, direction)
+        table["g_db"] = [self._heard.strength_db(sum(bands) / 8) for bands in energy]
+        table["azimuth_deg"], table["elevation_deg"] = zip(*self._heard.path_angles())
+        return table
+
+    @property
+    def path_points(self) -> List[npt.NDArray[np.float64]]:
+        """Points in m, shape (points, 3), at which each path of :attr:`paths` is reflected, bends or enters a solid."""
+        return [_axes.shown_in(self._axes, np.reshape(points, (-1, 3))) for points in self._heard.path_points()]
+
+    @property
+    def path_surfaces(self) -> List[Tuple[str, ...]]:
+        """Names of the surfaces of each path of :attr:`paths`: ``("room/floor", "desk")``."""
+        return [tuple(names) for names in self._heard.path_surfaces()]
+
+    @property
+    def echogram(self) -> npt.NDArray[Any]:
+        """Energy of all arrivals except the exact paths, by time and band.
+
+        Returns
+        -------
+        numpy.ndarray, shape (bins,), structured
+            ``time_s``, the middle of the bin after the source's impulse; ``energy`` (8 bands) in 1/m² for a source of
+            power 1; ``flow`` (8 bands × 3): energy × direction of flight in 1/m², in the axes of the scene.
+        """
+        times = self._heard.bin_times()
+        table = np.zeros(len(times), _ECHOGRAM_DTYPE)
+        table["time_s"], table["energy"] = times, self._heard.bin_energies()
+        table["flow"] = _axes.shown_in(self._axes, self._heard.bin_flows())
+        return table
+
+    def ir(
+        self,
+        rate: int = 48_000,
+        format: str = "mono",
+        sofa: Optional[AnyPath] = None,
+        seed: Optional[int] = None,
+    ) -> npt.NDArray[np.float32]:
+        """Return an impulse response.
+
+        Sample 0 is the time of the source's impulse. Amplitude 1 is the direct sound at 1 m.
+
+        Parameters
+        ----------
+        rate : int
+            Samples per second.
+        format : {"mono", "stereo", "binaural", "ambisonics"}
+            The channels: one; left and right; the two ears (needs `sofa`); first-order ambisonics (AmbiX: W, Y, Z, X,
+            SN3D; x ahead of the listener, y to the left, z up).
+        sofa : path, optional
+            A SOFA file of the convention SimpleFreeFieldHRIR, for the format "binaural".
+        seed : int, optional
+            Seed of the noise of the late part; the seed of the response by default.
+
+        Returns
+        -------
+        numpy.ndarray of float32, shape (channels, samples)
+        """
+        file = None if sofa is None else os.fspath(sofa)
+        return self._heard.impulse_response(rate, format, file, seed)
+
+    def decay(self) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Return the decay curves: backward integrals of the energy (Schroeder 1965), without an estimated tail.
+
+        Returns
+        -------
+        times : numpy.ndarray, shape (n,)
+            Times in s after the source's impulse.
+        levels : numpy.ndarray, shape (n, 8)
+            Level in dB of all later energy, relative to the whole energy, by band.
+        """
+        step, count = self._heard.bin_s, int(np.ceil(self.seconds / self._heard.bin_s)) + 1
+        energy = np.zeros((count, 8))
+        for part in (self.echogram["time_s"], self.echogram["energy"]), (self.paths["delay_s"], self.paths["energy"]):
+            np.add.at(energy, np.minimum((part[0] / step).astype(int), count - 1), part[1])
+        later = np.cumsum(energy[::-1], axis=0)[::-1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            levels: npt.NDArray[np.float64] = 10.0 * np.log10(later / later[0])
+        return step * np.arange(count, dtype=np.float64), levels
+
+    def plot(self, ax: Any = None) -> Any:
+        """Plot the decay curve of each band (needs matplotlib), and return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            The axes to draw in; new ones by default.
+        """
+        plt = _optional("matplotlib.pyplot", "a plot")
+        if ax is None:
+            _, ax = plt.subplots()
+        times, levels = self.decay()
+        for band, hertz in enumerate(BANDS_HZ):
+            ax.plot(times, levels[:, band], label=f"{hertz:g} Hz")
+        ax.set(xlabel="time after the impulse in s", ylabel="level of later energy in dB", ylim=(-60.0, 1.0))
+        ax.set_title(f"{self.scene}: {self.source} at {self.listener}")
+        ax.legend(fontsize="small")
+        return ax
+
+    def to_pyfar(
+        self,
+        rate: int = 48_000,
+        format: str = "mono",
+        sofa: Optional[AnyPath] = None,
+        seed: Optional[int] = None,
+    ) -> Any:
+        """Return the impulse response as a ``pyfar.Signal`` (needs pyfar); the parameters are those of :meth:`ir`."""
+        pyfar = _optional("pyfar", "to_pyfar")
+        samples = self.ir(rate, format, sofa, seed).astype(np.float64)
+        comment = f"{self.scene}: {self.source} at {self.listener}, {format}"
+        return pyfar.Signal(samples, rate, fft_norm="none", comment=comment)
+
+    def to_sofa(
+        self,
+        file: AnyPath,
+        rate: int = 48_000,
+        format: str = "mono",
+        sofa: Optional[AnyPath] = None,
+        seed: Optional[int] = None,
+    ) -> None:
+        """Write the impulse response as a SOFA file of the convention SingleRoomSRIR (needs sofar).
+
+        Positions and directions in the file have the axes of SOFA: x ahead, y to the left, z up.
+
+        Parameters
+        ----------
+        file : path
+            The file to write, ending in ``.sofa``.
+        rate, format, sofa, seed
+            As in :meth:`ir`. Each channel is a receiver of the file.
+        """
+        sofar = _optional("sofar", "to_sofa")
+        samples = self.ir(rate, format, sofa, seed).astype(np.float64)
+        channels = len(samples)
+        about = self._heard.about()
+        written = sofar.Sofa("SingleRoomSRIR")
+        # Optional in the convention; sofar 1.3 cannot write texts with netCDF4 1.7.5, and the room is no box.
+        for name in _UNKNOWN_TO_SOFA:
+            written.delete(name)
+        written.GLOBAL_Title = f"{self.scene}: {self.source} at {self.listener}"
+        written.GLOBAL_ApplicationName = "Echomarch"
+        written.GLOBAL_ApplicationVersion = _echomarch.__version__
+        written.GLOBAL_RoomType = "reverberant"
+        written.GLOBAL_Comment = f"receivers: {', '.join(_receivers(format))}; renderer {self.renderer}; seed {self.seed}"
+        for name in "Listener", "Source":
+            setattr(written, f"{name}Position", _axes.to_pyfar(about[f"{name.lower()}_position"])[np.newaxis])
+            setattr(written, f"{name}Position_Type", "cartesian")
+            setattr(written, f"{name}Position_Units", "metre")
+        written.ListenerView = _axes.to_pyfar(about["listener_view"])[np.newaxis]
+        written.ListenerUp = _axes.to_pyfar(about["listener_up"])[np.newaxis]
+        written.ReceiverPosition = np.zeros((channels, 3))
+        written.ReceiverView = np.tile([1.0, 0.0, 0.0], (channels, 1))
+        written.ReceiverUp = np.tile([0.0, 0.0, 1.0], (channels, 1))
+        written.Data_IR = samples[np.newaxis]
+        written.Data_Delay = np.zeros((1, channels))
+        written.Data_SamplingRate = float(rate)
+        sofar.write_sofa(os.fspath(file), written)
+
+    def __repr__(self) -> str:
+        t30 = self.figures["t30"][4]
+        heard = "T30 not defined" if np.isnan(t30) else f"T30 {t30:.2f} s"
+        return f"<echomarch.Response of {self.scene!r}: {self.source} at {self.listener}, {heard} at 1 kHz>"
+
+
+def _optional(module: str, what: str) -> Any:
+    """Import a module of an optional package."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise needed(module.split(".")[0], what) from None
+
+
+def _receivers(format: str) -> List[str]:
+    """Return the names of the channels of a format."""
+    names: Dict[str, List[str]] = {
+        "mono": ["omnidirectional"],
+        "stereo": ["left", "right"],
+        "binaural": ["left ear", "right ear"],
+    }
+    return names.get(format, ["W", "Y", "Z", "X"])
+
+
+def _restored(data: bytes, axes: str) -> Response:
+    """Return a pickled response."""
+    return Response(_echomarch.Heard.from_bytes(data), axes)

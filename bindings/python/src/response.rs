@@ -1,0 +1,448 @@
+//! Responses: traced on the thread of the context, kept as plain data.
+
+use crate::errors;
+use crate::scene::Scene;
+use crate::worker::{self, Observer};
+use echomarch::bands::{BAND_COUNT, BANDS_HZ};
+use echomarch::hrtf::HrirSet;
+use echomarch::response::{
+    Accuracy, BandFigures, Figures, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
+    Response, ResponseError, ResponseSettings, Round,
+};
+use echomarch::scene::Pair;
+use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
+use echomarch::{Error, Tracer};
+use glam::DVec3;
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The names of the figures, in the order of their columns.
+pub fn figure_names() -> Vec<&'static str> {
+    BandFigures::NAMES.to_vec()
+}
+
+/// A response with the properties of its scene that its results need.
+#[pyclass(module = "echomarch._echomarch", frozen)]
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Heard {
+    response: Response,
+    scene: String,
+    renderer: String,
+    source: String,
+    listener: String,
+    source_position: [f32; 3],
+    listener_position: [f32; 3],
+    /// The viewing direction and the upward direction of the listener, world axes.
+    forward: DVec3,
+    up: DVec3,
+    speed_of_sound: f64,
+    seed: u32,
+    /// The names of the surfaces that reflect each path, with the walls of rooms and the groups of meshes.
+    surfaces: Vec<Vec<String>>,
+}
+
+/// A round of a response with a requested accuracy.
+struct Progress {
+    waves: u32,
+    next_waves: Option<u32>,
+    /// Number of figures that have the accuracy, and number of figures that are defined.
+    accurate: usize,
+    defined: usize,
+}
+
+impl Progress {
+    fn of(round: &Round, accuracy: f64) -> Progress {
+        let figures = &round.response.figures;
+        let count = BandFigures::NAMES.len();
+        let all = (0..BAND_COUNT).flat_map(|band| (0..count).map(move |figure| (band, figure)));
+        let defined: Vec<bool> = all
+            .filter_map(|(band, figure)| figures.is_accurate(accuracy, band, figure))
+            .collect();
+        Progress {
+            waves: round.response.waves,
+            next_waves: round.next_waves,
+            accurate: defined.iter().filter(|is_accurate| **is_accurate).count(),
+            defined: defined.len(),
+        }
+    }
+}
+
+/// The settings that the package passes by name.
+fn settings(given: &Bound<PyDict>) -> PyResult<ResponseSettings> {
+    let mut settings = ResponseSettings::default();
+    let mut trace = Settings::default();
+    let (mut accuracy, mut waves, mut limit_s) = (None, None, None);
+    for (name, value) in given {
+        match name.extract::<String>()?.as_str() {
+            "profile" => {
+                let profile: Profile = value.extract::<String>()?.parse().map_err(of_text)?;
+                let Settings {
+                    seed, directions, ..
+                } = trace;
+                trace = Settings::new(Algorithm::of(profile));
+                trace = trace.with_seed(seed).with_directions(directions);
+            }
+            "seed" => trace.seed = value.extract()?,
+            "directions" => {
+                trace.directions = value
+                    .extract::<String>()?
+                    .parse::<Directions>()
+                    .map_err(of_text)?;
+            }
+            "accuracy" => accuracy = value.extract::<Option<f64>>()?,
+            "waves" => waves = value.extract::<Option<u32>>()?,
+            "time_limit" => limit_s = value.extract::<Option<f64>>()?,
+            "order" => settings.order = value.extract()?,
+            "seconds" => settings.seconds = value.extract()?,
+            "diffraction" => settings.diffraction = value.extract()?,
+            "transmission" => settings.transmission = value.extract()?,
+            "bin_s" => settings.bin_s = value.extract()?,
+            other => return Err(errors::settings(format!("there is no setting {other:?}"))),
+        }
+    }
+    match accuracy {
+        Some(share) => {
+            let mut wanted = Accuracy::new(share);
+            wanted.most_waves = waves;
+            wanted.time_limit_s = limit_s;
+            settings.accuracy = Some(wanted);
+        }
+        None => trace.waves = waves.unwrap_or(trace.waves),
+    }
+    let settings = settings.with_trace(trace);
+    settings.validate().map_err(errors::from)?;
+    Ok(settings)
+}
+
+fn of_text(error: impl Into<Error>) -> PyErr {
+    errors::from(error)
+}
+
+/// Traces the response of a pair, given by the indices of source and listener. `progress` receives the number of waves
+/// of each round, that of the next round, the number of accurate figures, and the number of defined figures.
+#[pyfunction]
+pub fn response(
+    py: Python,
+    scene: &Scene,
+    source: usize,
+    listener: usize,
+    given: &Bound<PyDict>,
+    progress: Option<Bound<PyAny>>,
+) -> PyResult<Heard> {
+    let settings = settings(given)?;
+    scene.pair(source, listener)?;
+    let share = settings.accuracy.map(|accuracy| accuracy.share);
+    let scene = scene.inner.clone();
+    let job = move |tracer: &mut Tracer, observer: &Observer<Progress>| {
+        let pair = scene.pair(source, listener)?;
+        let response = Response::trace_observed(tracer, pair, &settings, &mut |round| {
+            observer.report(Progress::of(&round, share.unwrap_or_default()));
+        })?;
+        Ok(Heard::new(pair, response, tracer, &settings))
+    };
+    worker::run(py, job, |round| match &progress {
+        Some(call) => {
+            let Progress {
+                waves,
+                next_waves,
+                accurate,
+                defined,
+            } = round;
+            call.call1((waves, next_waves, accurate, defined)).map(drop)
+        }
+        None => Ok(()),
+    })
+}
+
+impl Heard {
+    fn new(pair: Pair, response: Response, tracer: &Tracer, settings: &ResponseSettings) -> Heard {
+        let (scene, source, listener) = (pair.scene(), pair.source(), pair.listener());
+        let (source_index, listener_index) = pair.indices();
+        Heard {
+            surfaces: names(scene, &response),
+            scene: scene.name.clone(),
+            renderer: tracer.context().renderer().to_owned(),
+            source: scene.source_labels().swap_remove(source_index),
+            listener: scene.listener_labels().swap_remove(listener_index),
+            source_position: source.position.to_array(),
+            listener_position: listener.position.to_array(),
+            forward: listener.forward().as_dvec3(),
+            up: listener.up().as_dvec3(),
+            speed_of_sound: scene.speed_of_sound(),
+            seed: settings.trace.seed,
+            response,
+        }
+    }
+}
+
+/// The names of the surfaces on each path, with the walls of rooms and the groups of meshes.
+fn names(scene: &echomarch::Scene, response: &Response) -> Vec<Vec<String>> {
+    let of_path = |path: &echomarch::response::SpecularPath| {
+        let met = path.surfaces.iter().zip(&path.walls);
+        met.map(|(number, wall)| {
+            let surface = scene.surfaces.get(*number as usize - 1);
+            let name = surface.and_then(|surface| surface.name.clone());
+            let name = name.unwrap_or_else(|| number.to_string());
+            let part = wall.and_then(|wall| surface?.part_name(usize::from(wall)));
+            part.map_or(name.clone(), |part| format!("{name}/{part}"))
+        })
+        .collect()
+    };
+    response
+        .paths
+        .iter()
+        .map(|heard| of_path(&heard.path))
+        .collect()
+}
+
+/// A missing number as NaN.
+fn or_nan(number: Option<f64>) -> f64 {
+    number.unwrap_or(f64::NAN)
+}
+
+/// A matrix from its rows.
+fn matrix<'py>(py: Python<'py>, rows: Vec<Vec<f64>>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray2::from_vec2(py, &rows).map_err(|error| errors::internal(error.to_string()))
+}
+
+#[pymethods]
+impl Heard {
+    /// The figures by band: 8 rows, one column for each figure. NaN where a figure is missing.
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = self.response.figures.bands.iter();
+        matrix(
+            py,
+            rows.map(|band| band.list().map(or_nan).to_vec()).collect(),
+        )
+    }
+
+    /// The standard errors of the figures, in the same form.
+    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = self.response.figures.errors.iter();
+        matrix(
+            py,
+            rows.map(|band| band.list().map(or_nan).to_vec()).collect(),
+        )
+    }
+
+    /// The times of the echogram's bins in seconds (their middles).
+    fn bin_times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let echogram = &self.response.echogram;
+        let middle = |bin: usize| echogram.first_s() + (bin as f64 + 0.5) * echogram.bin_s();
+        PyArray1::from_vec(py, (0..echogram.bins()).map(middle).collect())
+    }
+
+    /// The energy of each bin and band in 1/m².
+    fn bin_energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let echogram = &self.response.echogram;
+        let rows: Vec<Vec<f64>> = (0..echogram.bins())
+            .map(|bin| echogram.energy(bin).to_vec())
+            .collect();
+        match rows.is_empty() {
+            true => Ok(PyArray2::zeros(py, [0, BAND_COUNT], false)),
+            false => matrix(py, rows),
+        }
+    }
+
+    /// Energy × direction of flight of each bin and band in 1/m², world axes.
+    fn bin_flows<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let echogram = &self.response.echogram;
+        let bins = 0..echogram.bins();
+        let all = bins
+            .flat_map(|bin| echogram.flow(bin))
+            .flat_map(|flow| flow.to_array());
+        let all: Vec<f64> = all.collect();
+        PyArray1::from_vec(py, all).reshape([echogram.bins(), BAND_COUNT, 3])
+    }
+
+    #[getter]
+    fn bin_s(&self) -> f64 {
+        self.response.echogram.bin_s()
+    }
+
+    /// The exact paths: one tuple for each path.
+    #[expect(clippy::type_complexity, reason = "the package gives the tuples names")]
+    fn paths(
+        &self,
+    ) -> Vec<(
+        &'static str,
+        usize,
+        f64,
+        f64,
+        [f64; BAND_COUNT],
+        [f64; BAND_COUNT],
+        [f64; 3],
+        bool,
+    )> {
+        let paths = self.response.paths.iter();
+        paths
+            .map(|heard| {
+                (
+                    heard.kind.name(),
+                    heard.reflections.len(),
+                    heard.delay_s,
+                    heard.path.length_m,
+                    heard.energy,
+                    heard.errors_db,
+                    heard.path.arrival_direction.to_array(),
+                    heard.path.is_focus,
+                )
+            })
+            .collect()
+    }
+
+    /// Azimuth and elevation of each path in degrees, as seen by the listener.
+    fn path_angles(&self) -> Vec<(f64, f64)> {
+        let paths = self.response.paths.iter();
+        paths
+            .map(|heard| (heard.azimuth.to_degrees(), heard.elevation.to_degrees()))
+            .collect()
+    }
+
+    /// The points at which each path is reflected or bends, in world metres.
+    fn path_points(&self) -> Vec<Vec<[f64; 3]>> {
+        let points = |heard: &echomarch::response::HeardPath| {
+            heard
+                .path
+                .points
+                .iter()
+                .map(|point| point.to_array())
+                .collect()
+        };
+        self.response.paths.iter().map(points).collect()
+    }
+
+    /// The names of the surfaces on each path.
+    fn path_surfaces(&self) -> Vec<Vec<String>> {
+        self.surfaces.clone()
+    }
+
+    /// The samples of an impulse response: one row for each channel. `sofa` is a file of head-related impulse responses
+    /// for the format `binaural`.
+    fn impulse_response<'py>(
+        &self,
+        py: Python<'py>,
+        rate_hz: u32,
+        format: &str,
+        sofa: Option<PathBuf>,
+        seed: Option<u64>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let channels = py.detach(|| self.channels(rate_hz, format, sofa, seed))?;
+        let array = PyArray2::from_vec2(py, &channels);
+        array.map_err(|error| errors::internal(error.to_string()))
+    }
+
+    /// The response as bytes.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let mut bytes = Vec::new();
+        ciborium::into_writer(self, &mut bytes)
+            .map_err(|error| errors::internal(error.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The response of these bytes.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Heard> {
+        let read = ciborium::from_reader(bytes);
+        read.map_err(|error| errors::settings(format!("the bytes are no response: {error}")))
+    }
+
+    /// Strength *G* in decibels of an energy in 1/m²; NaN for silence.
+    #[staticmethod]
+    fn strength_db(energy: f64) -> f64 {
+        or_nan(Figures::strength_db(energy))
+    }
+
+    fn __eq__(&self, other: &Heard) -> bool {
+        let without_time = |heard: &Heard| {
+            let mut response = heard.response.clone();
+            (response.milliseconds, response.diffraction_milliseconds) = (0.0, 0.0);
+            response
+        };
+        without_time(self) == without_time(other)
+    }
+
+    /// The properties of the response by their names.
+    fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let response = &self.response;
+        let about = PyDict::new(py);
+        about.set_item("scene", &self.scene)?;
+        about.set_item("renderer", &self.renderer)?;
+        about.set_item("source", &self.source)?;
+        about.set_item("listener", &self.listener)?;
+        about.set_item("source_position", self.source_position)?;
+        about.set_item("listener_position", self.listener_position)?;
+        about.set_item("listener_view", self.forward.to_array())?;
+        about.set_item("listener_up", self.up.to_array())?;
+        about.set_item("speed_of_sound", self.speed_of_sound)?;
+        about.set_item("seed", self.seed)?;
+        about.set_item("waves", response.waves)?;
+        about.set_item("seconds", response.seconds)?;
+        about.set_item("milliseconds", response.milliseconds)?;
+        about.set_item("time_origin_s", or_nan(response.figures.begins_s))?;
+        about.set_item(
+            "time_origin_error_s",
+            or_nan(response.figures.begins_error_s),
+        )?;
+        about.set_item("cut_off", response.figures.cut_off.map(or_nan))?;
+        about.set_item("missed_early_share", or_nan(response.missed.energy_share()))?;
+        about.set_item("left_out_share", response.left_out_share)?;
+        about.set_item("search_left_out_share", response.search_left_out_share)?;
+        about.set_item("followed_s", response.followed_s)?;
+        about.set_item("bands_hz", BANDS_HZ)?;
+        Ok(about)
+    }
+}
+
+impl Heard {
+    fn channels(
+        &self,
+        rate_hz: u32,
+        format: &str,
+        sofa: Option<PathBuf>,
+        seed: Option<u64>,
+    ) -> PyResult<Vec<Vec<f32>>> {
+        let mut settings = ImpulseSettings::new(self.response.seconds);
+        settings.rate_hz = rate_hz;
+        settings.seed = seed.unwrap_or(self.seed.into());
+        settings.validate().map_err(errors::from)?;
+        settings.format = match (format, sofa) {
+            ("binaural", Some(file)) => Format::Binaural(Arc::new(hrirs(file, rate_hz)?)),
+            ("binaural", None) => {
+                let message =
+                    "the format binaural needs head-related impulse responses: sofa=\"FILE.sofa\"";
+                return Err(errors::settings(message.to_owned()));
+            }
+            (_, Some(_)) => {
+                let message =
+                    format!("sofa= has no effect on the format {format}: only binaural uses it");
+                return Err(errors::settings(message));
+            }
+            ("mono", None) => Format::Mono,
+            ("stereo", None) => Format::Stereo,
+            ("ambisonic" | "ambisonics" | "ambix", None) => Format::AmbiX,
+            _ => {
+                let message = format!(
+                    "there is no format {format:?}: use mono, stereo, ambisonics or binaural"
+                );
+                return Err(errors::settings(message));
+            }
+        };
+        let axes = ListenerAxes::new(self.forward, self.up).map_err(errors::from)?;
+        let (taps, echogram) = (self.response.taps(), &self.response.echogram);
+        let impulse = ImpulseResponse::new(&taps, echogram, &axes, &settings);
+        Ok(impulse.map_err(errors::from)?.channels().to_vec())
+    }
+}
+
+/// Reads head-related impulse responses at a sampling rate.
+fn hrirs(file: PathBuf, rate_hz: u32) -> PyResult<HrirSet> {
+    let hrirs = HrirSet::read_sofa(&file).map_err(errors::from)?;
+    hrirs
+        .at_rate(rate_hz)
+        .map_err(|error| errors::from(ResponseError::from(error)))
+}

@@ -1,0 +1,164 @@
+"""Responses: results, exports, progress."""
+
+import pickle
+import sys
+
+import numpy as np
+import pytest
+
+import echomarch as em
+
+CHEAP = {"waves": 2048, "seconds": 0.3}
+
+
+def test_a_known_room_has_its_reverberation_time():
+    """Protects the physics across the interface: an even room of little absorption decays as Eyring says, in all bands."""
+    size, absorption = np.array([7.0, 3.0, 5.0]), 0.1
+    room = em.Scene.shoebox(size, absorption, scattering=0.5)
+    room.add_source("s", (-2, 0, -1))
+    room.add_listener("l", (2, 0.3, 1))
+    r = em.response(room, accuracy=0.02)
+    area = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0])
+    eyring = 24 * np.log(10) / 343 * size.prod() / (-area * np.log(1 - absorption))
+    np.testing.assert_allclose(r.figures["t30"], eyring, rtol=0.06)
+    assert np.all(r.figures["t30_error"] <= 0.02 * r.figures["t30"])
+
+
+def test_figures_are_a_table(room):
+    """Protects the form of the results: names, units by size, shapes and types."""
+    r = em.response(room, **CHEAP)
+    assert r.figures.shape == (8,) and r.figures.dtype.names[:3] == ("band_hz", "edt", "edt_error")
+    assert list(r.figures["band_hz"]) == [63, 125, 250, 500, 1000, 2000, 4000, 8000] == list(em.BANDS_HZ)
+    assert em.FIGURES == ("edt", "t20", "t30", "c50", "c80", "d50", "ts", "g")
+    assert r.paths.dtype["energy"].shape == (8,) and r.echogram.dtype["flow"].shape == (8, 3)
+    assert len(r.paths) == len(r.path_points) == len(r.path_surfaces) > 100
+    direct = r.paths[0]
+    assert direct["kind"] == "direct" and direct["order"] == 0
+    assert direct["length_m"] == pytest.approx(np.hypot(4, np.hypot(3, 0.3)), abs=1e-6)
+    assert direct["delay_s"] == pytest.approx(direct["length_m"] / r.speed_of_sound)
+    np.testing.assert_allclose(direct["energy"], 1 / (4 * np.pi * direct["length_m"] ** 2))
+    assert r.path_surfaces[0] == () and all(name.startswith("room/") for name in r.path_surfaces[5])
+    assert np.all(np.diff(r.paths["delay_s"]) >= 0)
+    assert pickle.loads(pickle.dumps(r)) == r
+    assert r != em.response(room, seed=2, **CHEAP) and r == em.response(room, seed=1, **CHEAP)
+    assert "talker at seat" in repr(r)
+
+
+def test_impulse_responses_have_channels_and_samples(room, hrirs):
+    """Protects the form of impulse responses, and their seeds."""
+    r = em.response(room, **CHEAP)
+    for format, channels in (("mono", 1), ("stereo", 2), ("ambisonics", 4)):
+        samples = r.ir(rate=16000, format=format)
+        assert samples.shape == (channels, 4800) and samples.dtype == np.float32
+    assert r.ir(format="binaural", sofa=hrirs).shape == (2, 14400)
+    np.testing.assert_array_equal(r.ir(), r.ir(seed=1))
+    assert not np.array_equal(r.ir(), r.ir(seed=2))
+    for bad, sentence in (
+        ({"format": "binaural"}, "needs head-related impulse responses"),
+        ({"format": "quad"}, "there is no format \"quad\""),
+        ({"sofa": hrirs}, "sofa= has no effect on the format mono"),
+        ({"rate": 10}, "a sampling rate of 10 Hz"),
+    ):
+        with pytest.raises(em.SettingsError, match=sentence):
+            r.ir(**bad)
+    with pytest.raises(em.SofaError, match="none.sofa"):
+        r.ir(format="binaural", sofa="none.sofa")
+
+
+def test_the_decay_begins_at_0_db_and_falls(room):
+    """Protects the decay curve: it starts at the whole energy, falls, and its slope is the reverberation time."""
+    r = em.response(room, accuracy=0.05)
+    times, levels = r.decay()
+    assert levels.shape == (len(times), 8) and np.all(levels[0] == 0)
+    assert np.all(np.diff(levels, axis=0)[np.isfinite(np.diff(levels, axis=0))] <= 0)
+    for band in range(8):
+        part = (levels[:, band] < -5) & (levels[:, band] > -35)
+        slope = np.polyfit(times[part], levels[part, band], 1)[0]
+        assert -60 / slope == pytest.approx(r.figures["t30"][band], rel=0.03)
+
+
+def test_a_plot_shows_each_band(room):
+    """Protects plots: one line for each band, in given axes or new ones."""
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    ax = em.response(room, **CHEAP).plot()
+    assert len(ax.lines) == 8 and ax.get_xlabel().endswith("in s")
+
+
+def test_a_signal_of_pyfar_has_the_samples(room):
+    """Protects the export to pyfar: samples, rate and normalisation."""
+    pytest.importorskip("pyfar")
+    r = em.response(room, **CHEAP)
+    signal = r.to_pyfar(rate=44100, format="stereo")
+    np.testing.assert_array_equal(signal.time, r.ir(44100, "stereo"))
+    assert signal.sampling_rate == 44100 and signal.fft_norm == "none" and "talker at seat" in signal.comment
+
+
+def test_a_sofa_file_has_samples_and_places(room, tmp_path):
+    """Protects the export to SOFA: sofar reads it back with samples, positions and view in the axes of SOFA."""
+    sofar = pytest.importorskip("sofar")
+    r = em.response(room, **CHEAP)
+    for format, channels in (("mono", 1), ("ambisonics", 4)):
+        file = tmp_path / f"{format}.sofa"
+        r.to_sofa(file, rate=44100, format=format)
+        read = sofar.read_sofa(str(file))
+        samples = np.reshape(read.Data_IR, (channels, -1))
+        np.testing.assert_allclose(samples, r.ir(44100, format), rtol=1e-6)
+        np.testing.assert_allclose(np.squeeze(read.SourcePosition), em.to_pyfar(r.source_position))
+        np.testing.assert_allclose(np.squeeze(read.ListenerPosition), em.to_pyfar(r.listener_position))
+        # A yaw of 30 degrees is to the right, and y of SOFA is to the left.
+        np.testing.assert_allclose(np.squeeze(read.ListenerView), [np.cos(np.pi / 6), -0.5, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "package, call", [("pyfar", "to_pyfar"), ("sofar", "to_sofa"), ("matplotlib.pyplot", "plot")]
+)
+def test_missing_packages_are_named(room, monkeypatch, package, call):
+    """Protects users without the optional packages: the exception says what to install."""
+    monkeypatch.setitem(sys.modules, package, None)
+    r = em.response(room, **CHEAP)
+    with pytest.raises(em.MissingPackageError, match=f"python -m pip install {package.split('.')[0]}"):
+        getattr(r, call)(*(["room.sofa"] if call == "to_sofa" else []))
+
+
+def test_progress_reports_each_round(room, capsys):
+    """Protects progress: each round is reported, the last one as the last, and a text goes to standard error."""
+    rounds = []
+    r = em.response(room, accuracy=0.004, progress=rounds.append)
+    assert len(rounds) > 1 and rounds[-1].next_waves is None and rounds[-1].share == 1.0
+    assert [after.waves for after in rounds[1:]] == [before.next_waves for before in rounds[:-1]]
+    assert rounds[-1].waves == r.waves and 0 < rounds[0].accurate < rounds[0].defined
+    em.response(room, **CHEAP, accuracy=0.05, progress=True)
+    assert "shoebox: 100%" in capsys.readouterr().err
+    with pytest.raises(ZeroDivisionError):
+        em.response(room, accuracy=0.004, progress=lambda _: 1 / 0)
+    assert em.response(room, accuracy=0.004) == r
+
+
+@pytest.mark.parametrize(
+    "settings, sentence",
+    [
+        ({"accuracy": 0.5}, "accuracy of figures must be 0.001 to 0.05"),
+        ({"waves": 0}, "waves must be 1 to 16777216, not 0"),
+        ({"waves": 100, "time_limit": 1}, "time_limit needs accuracy"),
+        ({"seconds": 100}, "60"),
+        ({"order": 99}, "order of exact paths must be 0 to 16, not 99"),
+        ({"profile": "fast"}, "fast"),
+        ({"profile": "thesis"}, "thesis"),
+        ({"directions": "spiral"}, "spiral"),
+    ],
+)
+def test_bad_settings_are_refused_in_sentences(room, settings, sentence):
+    """Protects users from tracebacks: a setting out of range is named with its range."""
+    with pytest.raises(em.SettingsError, match=sentence):
+        em.response(room, **settings)
+
+
+def test_a_frame_knows_left_and_right():
+    """Protects frames: a source on the left is heard on the left."""
+    scene = em.Scene.shoebox((8, 3, 5), 0.5)
+    scene.add_source("s", (-3, 0, 0))
+    scene.add_listener("l", (1, 0, 0))
+    frame = em.trace(scene, waves=16384)
+    assert -1 <= frame.pan < -0.1 and frame.left > frame.right and frame.listener_hits > 0
+    assert frame.renderer == em.renderer()

@@ -1,0 +1,185 @@
+"""Scenes: construction, materials, axes, copies, refusals."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import echomarch as em
+from conftest import SCENES
+
+CHEAP = {"waves": 1024, "seconds": 0.8}
+
+
+def test_axes_of_pyfar_are_converted(room):
+    """Protects users of pyfar: a room given in its axes has the same sound, and its results are in its axes."""
+    np.testing.assert_array_equal(em.to_pyfar([1, 2, 3]), [-3, -1, 2])
+    np.testing.assert_array_equal(em.from_pyfar(em.to_pyfar([[1, 2, 3]])), [[1, 2, 3]])
+    one = em.Scene.shoebox((8, 3, 5), {"floor": "carpet", "left": 0.5})
+    one.add_source("s", (-2, 0.5, -1.5))
+    one.add_listener("l", (2, -0.3, 1.5), view=(1, 0, 0))
+    # Depth, width, height; x ahead, y to the left, z up.
+    other = em.Scene.shoebox((5, 8, 3), {"floor": "carpet", "left": 0.5}, axes="pyfar")
+    other.add_source("s", (1.5, 2, 0.5))
+    other.add_listener("l", (-1.5, -2, -0.3), view=(0, -1, 0))
+    assert other.sources == {"s": (1.5, 2.0, 0.5)}
+    ours, theirs = em.response(one, **CHEAP), em.response(other, **CHEAP)
+    assert ours == theirs
+    np.testing.assert_array_equal(theirs.paths["direction"], em.to_pyfar(ours.paths["direction"]))
+    np.testing.assert_array_equal(theirs.echogram["flow"], em.to_pyfar(ours.echogram["flow"]))
+    np.testing.assert_array_equal(theirs.path_points[3], em.to_pyfar(ours.path_points[3]))
+    assert theirs.source_position == (1.5, 2.0, 0.5)
+    # The source is ahead and to the left of a listener that looks to +x: its view is the listener's.
+    assert ours.paths["azimuth_deg"][0] == theirs.paths["azimuth_deg"][0] < 0
+    with pytest.raises(em.SettingsError, match="there are no axes 'blender'"):
+        em.Scene("corner", axes="blender")
+
+
+def test_materials_are_one_number_or_eight_or_a_name(room):
+    """Protects materials: each notation gives the energy that it states."""
+
+    def level(absorption, **more):
+        room = em.Scene.shoebox((8, 3, 5), absorption, **more)
+        room.add_source("s", (-2, 0, -1.5))
+        room.add_listener("l", (2, -0.3, 1.5))
+        return em.response(room, **CHEAP).figures["g"]
+
+    one = level(0.2)
+    np.testing.assert_array_equal(one, level([0.2] * 8))
+    np.testing.assert_array_equal(one, level(np.full(8, 0.2)))
+    np.testing.assert_array_equal(one, level(em.Material(0.2)))
+    np.testing.assert_array_equal(one, level({wall: 0.2 for wall in em.WALLS}))
+    assert np.all(level(0.4) < one) and np.all(level(0.15) > one)
+    carpet = level("mineral-wool")
+    assert carpet[0] > carpet[7]
+    np.testing.assert_array_equal(carpet, level(em.builtin_materials()["mineral-wool"]))
+    assert not np.array_equal(one, level(0.2, scattering=0.5))
+    np.testing.assert_array_equal(level(0.2, scattering=0.5), level(em.Material(0.2, 0.5)))
+
+
+def test_scattering_holds_for_materials_that_state_none(room):
+    """Protects the scattering of a scene: it may be set before or after the materials."""
+    room.scattering = [0.1] * 8
+    before = em.Scene.shoebox((8, 3, 5), 0.1, 0.1)
+    for wall, material in {"floor": "carpet", "ceiling": 0.6, "left": 0.2, "right": 0.3, "back": 0.2}.items():
+        before.set_material("room", material, part=wall)
+    before.add_source("talker", (-2, 0, -1.5))
+    before.add_listener("seat", (2, -0.3, 1.5), yaw=30)
+    assert em.response(room, **CHEAP) == em.response(before, **CHEAP)
+    with pytest.raises(em.SettingsError, match="one number or 8, not 3"):
+        room.scattering = [0.1, 0.2, 0.3]
+
+
+def test_air_changes_speed_and_losses(room):
+    """Protects the air: cold air is slower, and removing it restores the first result."""
+    without = em.response(room, **CHEAP)
+    room.set_air(-10, 30)
+    assert room.speed_of_sound < 330
+    cold = em.response(room, **CHEAP)
+    assert cold.time_origin_s > without.time_origin_s and cold.figures["g"][7] < without.figures["g"][7]
+    room.set_air(None)
+    assert em.response(room, **CHEAP) == without
+
+
+def test_copies_and_pickles_have_the_same_bits(room):
+    """Protects workers: a scene in another process is the same, whatever it was made of."""
+    room.add_surface('Box(size: (0.1, 2, Value("door", 0.9)))', (1, -0.5, 0), (0, 33.3, 0), "door", name="door")
+    room.set(door=0.7)
+    first = em.response(room, **CHEAP)
+    for copied in (copy.copy(room), copy.deepcopy(room), pickle.loads(pickle.dumps(room)), room.at(0.0)):
+        assert em.response(copied, **CHEAP) == first
+    copied = room.copy()
+    copied.set_value("door", 0.2)
+    assert room.values == {"door": pytest.approx(0.7)} and copied.values == {"door": pytest.approx(0.2)}
+    assert em.response(copied, **CHEAP) != first
+    with pytest.raises(em.SceneError, match='has no value named "dor"; it has: door; did you mean door'):
+        room.set(dor=1)
+
+
+def test_meshes_are_read_with_their_groups(room, tmp_path):
+    """Protects meshes: groups have materials, a mesh whose z axis points up is turned, defects are warned of."""
+    scene = em.Scene.from_mesh(SCENES / "attic.obj", materials=None, absorption=0.3)
+    assert scene.surfaces == ["mesh"] and scene.materials == ["mesh"]
+    with pytest.raises(em.SettingsError, match="has no group 'nothing'; it has: "):
+        em.Scene.from_mesh(SCENES / "attic.obj", materials={"nothing": 0.1})
+    # A cube of 2 m whose face ahead (+y of the file) has a material of its own; one face is missing.
+    cube = tmp_path / "cube.obj"
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = {"left": "1 2 4 3", "right": "5 7 8 6", "back": "1 5 6 2", "ahead": "3 4 8 7", "floor": "1 3 7 5"}
+    lines = ["v %g %g %g" % corner for corner in corners]
+    lines += [f"usemtl {name}\nf {face}" for name, face in faces.items()]
+    cube.write_text("\n".join(lines))
+    with pytest.warns(UserWarning, match="cube.obj"):
+        turned = em.Scene.from_mesh(cube, materials={"ahead": 0.9}, inside="air", up="z")
+    assert turned.distance((0, 0, -0.9)) == pytest.approx(0.1, abs=1e-5)
+    turned.add_source("s", (0.2, 0, 0))
+    turned.add_listener("l", (-0.2, 0, 0.1), radius=0.05)
+    r = em.response(turned, waves=1024, seconds=0.02)
+    ahead = [index for index, names in enumerate(r.path_surfaces) if names == ("mesh/ahead",)]
+    assert len(ahead) == 1
+    np.testing.assert_allclose(r.path_points[ahead[0]][0, 2], -1.0, atol=1e-5)
+
+
+def test_sources_have_directions_and_levels():
+    """Protects sources: level, directivity and view change what is heard, as stated."""
+
+    def heard(**settings):
+        scene = em.Scene.shoebox((8, 3, 5), 0.2)
+        scene.add_source("s", (-2, 0, 0), **settings)
+        scene.add_listener("l", (2, 0, 0))
+        return em.response(scene, **CHEAP).paths["g_db"][0]
+
+    assert heard(level_db=6) - heard() == pytest.approx(6.0, abs=1e-4)
+    at, away = (heard(directivity="Cardioid", view=view) for view in ((1, 0, 0), (0, 0, 1)))
+    assert at - away == pytest.approx(20 * np.log10(2), abs=1e-3)
+    assert at == heard(directivity="Cardioid", yaw=90)
+
+
+@pytest.mark.parametrize(
+    "make, sentence",
+    [
+        (lambda: em.Scene.shoebox((1, 2)), "the size of a room must be three numbers, not (1, 2)"),
+        (lambda: em.Scene.shoebox((1, 2, -3)), "three lengths above 0 m"),
+        (lambda: em.Scene.shoebox((1, 2, 3), 1.5), "the material room: an absorption must be 0 to 1, not 1.5"),
+        (lambda: em.Scene.shoebox((1, 2, 3), [0.1] * 7), "8"),
+        (lambda: em.Scene.shoebox((1, 2, 3), float("nan")), "absorption"),
+        (lambda: em.Scene.shoebox((1, 2, 3), {"roof": 0.1}), "has no part \"roof\"; it has: left, right, floor"),
+        (lambda: em.Scene.empty().set_material("wall", 0.1), 'has no surface "wall"; it has: '),
+        (lambda: em.Scene.empty().add_surface("Bx"), "did you mean Box?"),
+        (lambda: em.Scene.empty().add_source("s", "ab"), "the position of a source must be three numbers"),
+        (lambda: em.Scene.empty().add_source("s", (0, 0, float("inf"))), "position"),
+        (lambda: em.Scene.empty().add_source("s", (0, 0, 0), directivity="Loud"), "Loud"),
+        (lambda: em.Scene.empty().add_source("s", (0, 0, 0), view=(0, 0, 0)), "must not be (0, 0, 0)"),
+        (lambda: em.Scene.empty().add_listener("l", (0, 0, 0), radius=-1), "radius"),
+        (lambda: em.Scene.from_ron("Scene("), "text:1"),
+        (lambda: em.Scene.from_mesh("none.obj"), "the mesh none.obj"),
+        (lambda: em.response(em.Scene.empty()), "the scene has no source: add one with add_source"),
+        (lambda: em.response(em.Scene("corner"), "drum"), 'has no source "drum"; it has: 1'),
+    ],
+)
+def test_bad_scenes_are_refused_in_sentences(make, sentence):
+    """Protects users from tracebacks: every bad argument is a ValueError with a sentence."""
+    with pytest.raises(ValueError) as refused:
+        make()
+    assert isinstance(refused.value, em.EchomarchError)
+    assert sentence in str(refused.value), refused.value
+
+
+def test_an_unknown_material_is_refused_when_it_is_used(room):
+    """Protects names of materials: a wrong one is reported before anything is traced."""
+    room.set_material("room", "carpt", part="front")
+    with pytest.raises(em.SceneError, match="carpt"):
+        em.response(room, **CHEAP)
+
+
+def test_pairs_are_chosen_by_name_or_number(room):
+    """Protects scenes with several sources: one must be chosen, by its name or its number."""
+    room.add_source("piano", (0, 0, -2))
+    with pytest.raises(em.SettingsError, match=r"the scene has 2 sources \(talker, piano\): choose one with source="):
+        em.response(room, **CHEAP)
+    assert em.response(room, "piano", **CHEAP) == em.response(room, 2, **CHEAP)
+    assert [item[1:] for item in room.pairs()] == [("talker", "seat"), ("piano", "seat")]
+    room.clear_sources()
+    room.clear_listeners()
+    assert room.sources == room.listeners == {}
