@@ -56,14 +56,21 @@ struct Progress {
 
 impl Progress {
     fn of(round: &Round, accuracy: f64) -> Progress {
-        let figures = &round.response.figures;
         let count = BandFigures::NAMES.len();
         let all = (0..BAND_COUNT).flat_map(|band| (0..count).map(move |figure| (band, figure)));
-        let defined: Vec<bool> = all
-            .filter_map(|(band, figure)| figures.is_accurate(accuracy, band, figure))
-            .collect();
+        let of_response = |response: &Response| {
+            let figures = response.figures;
+            all.clone()
+                .filter_map(move |(band, figure)| figures.is_accurate(accuracy, band, figure))
+        };
+        let defined: Vec<bool> = round.responses.iter().flat_map(of_response).collect();
         Progress {
-            waves: round.response.waves,
+            waves: round
+                .responses
+                .iter()
+                .map(|one| one.waves)
+                .max()
+                .unwrap_or(0),
             next_waves: round.next_waves,
             accurate: defined.iter().filter(|is_accurate| **is_accurate).count(),
             defined: defined.len(),

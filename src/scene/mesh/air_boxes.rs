@@ -248,7 +248,7 @@ mod tests {
             let normal = (b - a).cross(c - a);
             assert!(normal.dot(middle - a) > 0.0);
             let wall = *group as usize;
-            let side = if wall % 2 == 0 { 1.0 } else { -1.0 };
+            let side = if wall.is_multiple_of(2) { 1.0 } else { -1.0 };
             assert!(normal[wall / 2] * side > 0.0, "{wall}: {normal}");
         }
     }
