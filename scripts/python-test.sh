@@ -8,7 +8,7 @@ usage: scripts/python-test.sh [PYTEST OPTIONS …]
 
 Builds the wheel (scripts/wheel.sh --plain), installs it into a new virtual environment in target/python/tests, and
 runs bindings/python/tests with the program as reference. pip installs the packages of
-bindings/python/tests/requirements.txt.
+bindings/python/tests/requirements.txt. Without access to a package index, it says so and tests nothing.
 
   PYTHON=PATH               the Python to test with, 3.9 or later (default python3)
   ECHOMARCH=PATH            the program (default: built by cargo)
@@ -39,6 +39,16 @@ wheel() {
     scripts/wheel.sh --plain -o "$WORK/wheel" >&2
     ls "$WORK"/wheel/echomarch-*.whl
 }
+
+# Whether pip can fetch packages.
+reaches_pypi() {
+    "${PYTHON:-python3}" -m pip download --quiet --disable-pip-version-check --no-deps --dest "$WORK/probe" pytest
+}
+
+if ! reaches_pypi; then
+    complain "the Python package is not tested: pip cannot fetch packages"
+    exit
+fi
 
 if [[ -z "${ECHOMARCH:-}" ]]; then
     run cargo build --locked -p echomarch-cli --all-features
