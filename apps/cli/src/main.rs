@@ -8,6 +8,7 @@ mod accuracy;
 mod cost;
 #[cfg(feature = "demo")]
 mod demo;
+mod doctor;
 mod exit;
 mod field_trial;
 mod figures;
@@ -45,6 +46,7 @@ mod render;
 mod report;
 mod scene;
 mod shader;
+mod shell;
 mod slice;
 mod study;
 mod trace;
@@ -72,9 +74,20 @@ Examples:
   echomarch localise form -o form            where is the source? a form for people
   echomarch import level.glb -o level.ron    a scene of a triangle mesh
   echomarch info                             the renderers there are
+  echomarch doctor                           what this machine has and lacks
 
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery, parabolic-mirrors,
 colonnade, cave, morphing-room, menger, glasshouse, or a file (.ron).";
+
+/// The output without arguments. Each command takes a few seconds and needs no file.
+const FIRST_VISIT: &str = "\
+Echomarch traces sound through rooms and worlds of implicit surfaces. Three commands to try:
+
+  echomarch impulse shoebox                  reverberation and early echoes of a room
+  echomarch render open-pillars -o out.wav   the sound on a walk between pillars
+  echomarch view menger -o view.png          a world made of one formula
+
+echomarch doctor checks OpenGL, sound and memory of this machine. echomarch help lists all commands and scenes.";
 
 /// Traces sound waves through signed distance functions on the GPU: Sjöberg's 2011
 /// thesis as OpenGL fragment shaders.
@@ -82,7 +95,7 @@ colonnade, cave, morphing-room, menger, glasshouse, or a file (.ron).";
 #[command(name = "echomarch", version, about, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
     #[command(flatten)]
     common: options::Common,
 }
@@ -123,6 +136,14 @@ enum Command {
     FieldTrial,
     /// List the version, all renderers regardless of --gl and --gpu, and their limits
     Info(info::Arguments),
+    /// Check OpenGL and its speed, sound and memory; print the commands that install what is missing
+    Doctor(doctor::Arguments),
+    /// Print the completions of a shell
+    #[command(hide = true)]
+    Completions(shell::Completions),
+    /// Print the man page of the program, or write the man pages of all commands
+    #[command(hide = true)]
+    Man(shell::Man),
 }
 
 fn main() -> ExitCode {
@@ -136,14 +157,20 @@ fn main() -> ExitCode {
     if let Err(error) = refused_options::check(&matches) {
         return exit::report(&error.into());
     }
-    if matches!(cli.command, Command::FieldTrial) {
+    let Some(command) = &cli.command else {
+        return match print::line(FIRST_VISIT) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => exit::report(&error),
+        };
+    };
+    if matches!(command, Command::FieldTrial) {
         return field_trial::answer(&cli.common);
     }
     if let Err(error) = interrupt::install() {
         print::tell(&format!("warning: cannot handle signals: {error}"));
     }
     field_trial::choose(&cli.common);
-    let result = match &cli.command {
+    let result = match command {
         #[cfg(feature = "demo")]
         Command::Demo(arguments) => demo::run(arguments, &cli.common),
         Command::Trace(arguments) => trace::run(arguments, &cli.common),
@@ -160,6 +187,9 @@ fn main() -> ExitCode {
         Command::Study(arguments) => study::run(arguments, &cli.common),
         Command::Import(arguments) => import::run(arguments, &cli.common),
         Command::Info(arguments) => info::run(arguments, &cli.common),
+        Command::Doctor(arguments) => doctor::run(arguments, &cli.common),
+        Command::Completions(arguments) => shell::completions(arguments, Cli::command()),
+        Command::Man(arguments) => shell::man(arguments, Cli::command()),
         Command::FieldTrial => Ok(()),
     };
     let code = match result {

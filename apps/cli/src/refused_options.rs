@@ -22,6 +22,18 @@ const IGNORED: &[Ignored] = &[
         because: "it lists every renderer",
     },
     Ignored {
+        command: &["completions"],
+        options: &["gl", "gpu", "json"],
+        when: always,
+        because: "it prints a file for a shell",
+    },
+    Ignored {
+        command: &["man"],
+        options: &["gl", "gpu", "json"],
+        when: always,
+        because: "it prints a manual",
+    },
+    Ignored {
         command: &["localise", "score"],
         options: &["gl", "gpu"],
         when: always,

@@ -13,6 +13,7 @@ mod demo_scenes;
 mod demo_sound;
 #[cfg(feature = "demo")]
 mod demo_window;
+mod first_visit;
 mod gpu_report;
 mod heard_paths;
 mod impulse;
