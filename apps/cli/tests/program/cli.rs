@@ -1,6 +1,6 @@
 //! The program on the command line.
 
-use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
+use crate::common::cli::{argument, command, json, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
 use crate::common::{builtin, thesis, tracer};
 use echomarch::audio::Sound;
