@@ -27,7 +27,7 @@ struct Check {
     name: &'static str,
     /// Whether the machine has what the program needs.
     ok: bool,
-    /// What was found, or why it cannot be used.
+    /// The property, or the reason why it cannot be used.
     found: String,
     /// The command that installs what is missing, or other advice.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -75,7 +75,7 @@ pub fn run(_: &Arguments, common: &Common) -> anyhow::Result<()> {
     }
     match has_opengl {
         true => Ok(()),
-        false => Err(anyhow!("without OpenGL nothing can be traced")),
+        false => Err(anyhow!("tracing needs OpenGL")),
     }
 }
 

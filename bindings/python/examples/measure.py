@@ -211,7 +211,7 @@ def main():
     if given.one_core:
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     error, rounds = (0.2, 2) if given.quick else (given.error, given.rounds)
-    # A hundred pairs give as many errors as a hundred runs.
+    # A run has a hundred pairs, each with its own error, so that few runs suffice.
     many = {"10 × 10": (min(rounds, 2), 4096)}
     all_rows = {name: measure(name, error, *many.get(name, (rounds, LEAST))) for name in given.rooms}
     text = markdown(all_rows, error, len(os.sched_getaffinity(0)))

@@ -34,7 +34,7 @@ pub struct AirBox {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RoomsError {
-    /// There are no boxes, or too many.
+    /// The number of boxes is 0 or too large.
     #[error("Rooms have 1 to {MOST_BOXES} boxes, not {count}")]
     BadCount {
         /// Number of boxes.

@@ -61,7 +61,7 @@ fn doctor_reports_the_machine() {
         "{checks:?}"
     );
     for check in checks {
-        // What is missing has advice.
+        // Each missing property has advice.
         assert_eq!(
             check["ok"].as_bool().unwrap(),
             check["advice"].is_null(),
