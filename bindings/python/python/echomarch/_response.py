@@ -70,8 +70,9 @@ def response(
     """Trace the sound of a source at a listener.
 
     Results depend on the scene, the settings, the seed and the renderer only. They equal those of the program
-    (``echomarch impulse``) for this pair alone (``--source``, ``--listener``) with the same seed, to the last digit. The GIL is released while waves are traced. All calls of
-    a process share one OpenGL context on a thread of its own, so that calls from several threads wait for each other.
+    (``echomarch impulse``) for this pair alone (``--source``, ``--listener``) with the same seed, to the last
+    digit. The GIL is released while waves are traced. All calls of a process share one OpenGL context on a thread of its
+    own, so that calls from several threads wait for each other.
 
     Parameters
     ----------
