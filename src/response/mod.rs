@@ -177,8 +177,8 @@ impl Response {
         Ok(responses.remove(0))
     }
 
-    /// Traces the sound of several pairs. The listeners of one source share its waves, so that many listeners take
-    /// little longer than one. Each response has the accuracy that it would have alone, but other random numbers.
+    /// Traces the sound of several pairs. The listeners of one source share its waves, which takes less time
+    /// than a trace for each. Each response has the accuracy that it would have alone, but other random numbers.
     /// `milliseconds` is the time of all pairs with the same source.
     ///
     /// ```
@@ -187,8 +187,8 @@ impl Response {
     /// use echomarch::{Listener, Scene, Tracer};
     ///
     /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
-    /// let mut scene = Scene::builtin("hall")?;
-    /// scene.listeners.push(Listener::at([0.0, 1.2, 4.0], 0.3));
+    /// let mut scene = Scene::builtin("shoebox")?;
+    /// scene.listeners.push(Listener::at([0.0, 0.2, 1.0], 0.3));
     /// let pairs = [scene.pair(0, 0)?, scene.pair(0, 1)?];
     /// let settings = ResponseSettings::default().with_seconds(0.3);
     /// let responses = Response::trace_pairs(&mut tracer, &pairs, &settings)?;
