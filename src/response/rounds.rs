@@ -159,7 +159,8 @@ fn is_cut_off(response: &Response) -> bool {
 }
 
 impl ResponseSettings {
-    /// These settings with this number of waves for late arrivals, and at least as many waves for exact paths.
+    /// These settings with this number of waves for late arrivals. The number of waves for exact paths is raised to it if
+    /// it is smaller.
     fn with_waves(mut self, waves: u32) -> ResponseSettings {
         self.late_waves = Some(waves);
         self.trace.waves = self.trace.waves.max(waves);

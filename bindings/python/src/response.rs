@@ -355,7 +355,7 @@ impl Heard {
     #[staticmethod]
     fn from_bytes(bytes: &[u8]) -> PyResult<Heard> {
         let read = ciborium::from_reader(bytes);
-        read.map_err(|error| errors::settings(format!("the bytes are no response: {error}")))
+        read.map_err(|error| errors::settings(format!("the bytes do not hold a response: {error}")))
     }
 
     /// Strength *G* in decibels of an energy in 1/m²; NaN for silence.

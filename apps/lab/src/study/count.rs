@@ -1,6 +1,5 @@
 //! Estimates the size and cost of a study from a short sample: points, time, bytes.
 
-use super::points::Point;
 use super::work::row;
 use super::{BLOCK, StudyError, Worker, lines};
 use echomarch::internals::sampling::GOLDEN_GAMMA;
@@ -65,10 +64,7 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
         if number >= LEAST_SAMPLED && began.elapsed() > LONGEST {
             break;
         }
-        let first = sampled(blocks, number) * BLOCK;
-        let block: Vec<Point> = (first..study.points.min(first + BLOCK))
-            .map(|index| study.point(index))
-            .collect();
+        let block = study.block(sampled(blocks, number));
         worker.found(&block)?;
         let (clock, cores) = (Instant::now(), processor_seconds());
         let found = worker.found(&block)?;

@@ -1,6 +1,6 @@
 //! Converts the index of a point to its scene, positions and settings.
 
-use super::{SceneAxis, Study};
+use super::{BLOCK, SceneAxis, Study};
 use crate::report::Cell;
 use echomarch::scene::{Scene, SceneError};
 use glam::Vec3;
@@ -20,6 +20,13 @@ pub(super) struct Point {
 }
 
 impl Study {
+    /// The points of a block, from 0. All of them are in one shard.
+    pub(super) fn block(&self, number: u64) -> Vec<Point> {
+        let first = number * BLOCK;
+        let indices = first..self.points.min(first + BLOCK);
+        indices.map(|index| self.point(index)).collect()
+    }
+
     /// Returns the point at an index, which must be below [`Study::points`].
     pub(super) fn point(&self, index: u64) -> Point {
         let mut rest = index % self.each;

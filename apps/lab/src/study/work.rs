@@ -8,7 +8,6 @@
 //! are complete, the last line is added and the file is renamed within its folder.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, line, text_of};
-use super::points::Point;
 use super::read_shard::verify;
 use super::row_form::RowForm;
 use super::shard::folder_of;
@@ -63,12 +62,10 @@ fn fill(
     progress(work.rows);
     let points = shard.points(worker.study.points);
     for first in (0..points).step_by(BLOCK as usize) {
-        let places = first..points.min(first + BLOCK);
-        if places.end <= work.rows {
+        if points.min(first + BLOCK) <= work.rows {
             continue;
         }
-        let point = |place| worker.study.point(shard.point(place));
-        let block: Vec<Point> = places.map(point).collect();
+        let block = worker.study.block(shard.point(first) / BLOCK);
         // All points of a block are computed together. An interruption may have left some of them in the file.
         let found = worker.found(&block)?;
         for (place, (point, found)) in (first..).zip(block.iter().zip(&found)) {

@@ -66,8 +66,8 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// The scene at a point.
-    fn scene(&mut self, point: &Point) -> Result<&mut Scene, Error> {
+    /// The scene at a point, and the tracer.
+    fn scene(&mut self, point: &Point) -> Result<(&Scene, &mut Tracer), Error> {
         let study = self.study;
         let key = (point.variant, point.time);
         let scene = match self.posed.take() {
@@ -83,7 +83,7 @@ impl<'a> Worker<'a> {
         if let Some(position) = study.listener_of(point) {
             scene.listeners[0].position = position;
         }
-        Ok(scene)
+        Ok((scene, &mut self.tracer))
     }
 
     fn settings(&self, point: &Point) -> Settings {
@@ -98,12 +98,9 @@ impl<'a> Worker<'a> {
         if !(keep.pan || keep.counts || keep.exact) {
             return Ok(cells);
         }
-        self.scene(point)?;
-        let Some((_, scene)) = &self.posed else {
-            return Ok(cells);
-        };
+        let (scene, tracer) = self.scene(point)?;
         if keep.pan || keep.counts {
-            let frame = self.tracer.frame(scene, &settings)?;
+            let frame = tracer.frame(scene, &settings)?;
             if keep.pan {
                 let panning = frame.panning;
                 cells.extend([panning.left, panning.right, panning.pan()].map(Cell::from));
@@ -124,7 +121,7 @@ impl<'a> Worker<'a> {
             }
         }
         if keep.exact {
-            cells.push(exact_pan(&mut self.tracer, scene, &settings)?.into());
+            cells.push(exact_pan(tracer, scene, &settings)?.into());
         }
         Ok(cells)
     }
@@ -136,7 +133,7 @@ impl<'a> Worker<'a> {
         };
         let first = &block[group[0]];
         let how = how.clone().with_trace_of_frames(&self.settings(first));
-        let mut scene = self.scene(first)?.clone();
+        let mut scene = self.scene(first)?.0.clone();
         let listener = scene.listeners[0].clone();
         let at_point = |index: &usize| {
             let mut listener = listener.clone();

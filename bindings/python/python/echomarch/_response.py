@@ -376,7 +376,7 @@ class Response:
         channels = len(samples)
         about = self._heard.about()
         written = sofar.Sofa("SingleRoomSRIR")
-        # Optional in the convention; sofar 1.3 cannot write texts with netCDF4 1.7.5, and the room is no box.
+        # Optional in the convention; sofar 1.3 cannot write texts with netCDF4 1.7.5, and these fields describe a box.
         for name in _UNKNOWN_TO_SOFA:
             written.delete(name)
         written.GLOBAL_Title = f"{self.scene}: {self.source} at {self.listener}"
