@@ -3,7 +3,7 @@
 use super::tracer;
 use echomarch::geometry::ExactScene;
 use echomarch::tracer::Wave;
-use echomarch::{Profile, Scene, Settings};
+use echomarch::{Profile, Scene, Settings, Tracer};
 use glam::Vec3;
 
 /// Maximum offset of a ray due to rounding, in units in the last place of the largest coordinate. It covers the errors
@@ -77,5 +77,27 @@ pub fn compare_paths(scene: &Scene, directions: &[Vec3], profiles: &[Profile], c
                 context(wave)
             );
         }
+    }
+}
+
+/// Asserts that no wave leaves a closed scene, and that none is given up, in these profiles. `effort` is the number of
+/// iterations and the number of waves.
+pub fn assert_no_wave_leaves(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    profiles: &[Profile],
+    effort: (u32, u32),
+) {
+    for profile in profiles {
+        let settings = Settings::new(*profile)
+            .with_iterations(effort.0)
+            .with_waves(effort.1);
+        let frame = tracer.frame(scene, &settings).expect("a frame");
+        assert_eq!(frame.counts.dead, 0, "{}, {profile}", scene.name);
+        assert_eq!(
+            frame.counts.step_limit_reached, 0,
+            "{}, {profile}",
+            scene.name
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! Triangle meshes beside the same rooms as shapes, and beside a search over all triangles in `f64`.
 
-use super::common::flights::compare_paths;
+use super::common::flights::{assert_no_wave_leaves, compare_paths};
 use super::common::{Random, tracer};
 use echomarch::geometry::ExactScene;
 use echomarch::glam::{DVec3, EulerRot, Quat, Vec3};
@@ -305,14 +305,7 @@ fn no_wave_leaves_a_closed_mesh() {
         ("needles", ball(3.5, 90)),
     ] {
         let scene = scene(name, vec![surface(faces, Inside::Air)]);
-        for profile in EXACT {
-            let settings = Settings::new(profile)
-                .with_iterations(40)
-                .with_waves(32_768);
-            let frame = tracer.frame(&scene, &settings).expect("a frame");
-            assert_eq!(frame.counts.dead, 0, "{name}, {profile}");
-            assert_eq!(frame.counts.step_limit_reached, 0, "{name}, {profile}");
-        }
+        assert_no_wave_leaves(&mut tracer, &scene, &EXACT, (40, 32_768));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rooms of boxes of air, beside their walls as triangles in `f64`, and beside the same rooms as other shapes.
 
-use super::common::flights::compare_paths;
+use super::common::flights::{assert_no_wave_leaves, compare_paths};
 use super::common::{Random, tracer};
 use echomarch::geometry::ExactScene;
 use echomarch::glam::{DVec3, Vec3};
@@ -134,14 +134,7 @@ fn no_wave_leaves_rooms() {
     let mut tracer = tracer();
     for boxes in [l_shaped().to_vec(), row_of_rooms(&mut random, 4)] {
         let scene = scene("rooms", vec![surface(boxes)]);
-        for profile in EXACT {
-            let settings = Settings::new(profile)
-                .with_iterations(60)
-                .with_waves(65_536);
-            let frame = tracer.frame(&scene, &settings).expect("a frame");
-            assert_eq!(frame.counts.dead, 0, "{profile}");
-            assert_eq!(frame.counts.step_limit_reached, 0, "{profile}");
-        }
+        assert_no_wave_leaves(&mut tracer, &scene, &EXACT, (60, 65_536));
     }
 }
 
