@@ -75,8 +75,10 @@ pub use figures::{Precision, Withheld};
 pub use heard_source::{HeardKind, HeardSource};
 #[doc(hidden)]
 pub use hidden::diffracted;
+pub use impulse_response::{
+    AmbisonicOrder, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
+};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
-pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};
 #[doc(hidden)]
 pub use rounds::Round;
 pub use settings::ResponseSettings;

@@ -1,7 +1,9 @@
 //! Tests of settings and results as JSON: a written value is read back bit for bit, or refused.
 
 use crate::common::tracer;
-use echomarch::response::{Echogram, Format, ImpulseSettings, Response, ResponseSettings};
+use echomarch::response::{
+    AmbisonicOrder, Echogram, Format, ImpulseSettings, Response, ResponseSettings,
+};
 use echomarch::{Frame, Scene, Settings};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -65,7 +67,7 @@ fn settings_of_responses_round_trip_or_are_refused() {
     read_back(&settings);
     read_back(&settings.with_seconds(1.0 / 3.0).with_order(3));
     let mut settings = ImpulseSettings::new(0.7);
-    settings.format = Format::AmbiX;
+    settings.format = Format::AmbiX(AmbisonicOrder::MOST);
     read_back(&settings);
     assert_eq!(
         serde_json::from_str::<ImpulseSettings>(r#"{"seconds": 2}"#).unwrap(),
@@ -87,6 +89,7 @@ fn settings_of_responses_round_trip_or_are_refused() {
         (r#"{"seconds": 1, "rate_hz": 1}"#, "1 Hz"),
         (r#"{"seconds": 1, "rate": 48000}"#, "`rate`"),
         (r#"{"seconds": 1, "format": "binaural"}"#, "binaural"),
+        (r#"{"seconds": 1, "format": {"ambix": 8}}"#, "1 to 7, not 8"),
     ] {
         let error = refusal::<ImpulseSettings>(text);
         assert!(error.contains(part), "{text}: {error}");

@@ -20,7 +20,7 @@ use echomarch::Error;
 use echomarch::audio::Sound;
 use echomarch::hrtf::HrirSet;
 use echomarch::internals::file_output::{check_file, write_whole};
-use echomarch::response::{Format, ImpulseSettings, ResponseError};
+use echomarch::response::{AmbisonicOrder, Format, ImpulseSettings, ResponseError};
 use echomarch::response::{Response, ResponseSettings, Round};
 use echomarch::scene::Pair;
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
@@ -34,7 +34,7 @@ Examples:
   echomarch impulse hall.ron                         figures of the room to 2 %, and its early paths
   echomarch impulse hall.ron --accuracy 0.5% --time-limit 60
   echomarch impulse hall.ron -o ir.wav --waves 262144
-  echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
+  echomarch impulse hall.ron -o ir.wav --format ambisonic --ambisonic-order 3
   echomarch impulse hall.ron -o ir.wav --format binaural --sofa head.sofa
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --csv figures.csv        all figures with their errors, by pair and band
@@ -54,9 +54,13 @@ pub struct Arguments {
     /// the figures. If there are several pairs, each has a file of its own: FILE-SOURCE-LISTENER.wav
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
-    /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two ears, needs --sofa)
+    /// Channels of the WAV file: mono, stereo, ambisonic (ACN, SN3D), or binaural (two ears, needs --sofa)
     #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
     format: FormatOption,
+    /// Order of --format ambisonic, 1 to 7: (order + 1)² channels
+    #[arg(long, allow_negative_numbers = true, default_value_t = AmbisonicOrder::FIRST.number(), value_name = "N",
+        requires = "output", value_parser = count::<u8>)]
+    ambisonic_order: u8,
     /// Head-related impulse responses for --format binaural: a SOFA file of the convention
     /// SimpleFreeFieldHRIR
     #[arg(long, value_name = "FILE.sofa", requires = "output")]
@@ -177,9 +181,13 @@ impl Arguments {
         Ok(match self.format {
             FormatOption::Mono => Format::Mono,
             FormatOption::Stereo => Format::Stereo,
-            FormatOption::Ambisonic => Format::AmbiX,
+            FormatOption::Ambisonic => Format::AmbiX(self.order_of_channels()?),
             FormatOption::Binaural => Format::Binaural(Arc::new(self.hrirs()?)),
         })
+    }
+
+    fn order_of_channels(&self) -> anyhow::Result<AmbisonicOrder> {
+        Ok(AmbisonicOrder::new(self.ambisonic_order).map_err(Error::from)?)
     }
 
     fn hrirs(&self) -> anyhow::Result<HrirSet> {
@@ -222,6 +230,14 @@ impl Arguments {
             *ImpulseSettings::RATES_HZ.start(),
             *ImpulseSettings::RATES_HZ.end(),
         );
+        let orders =
+            [AmbisonicOrder::FIRST, AmbisonicOrder::MOST].map(|order| order.number().into());
+        check_range(
+            "--ambisonic-order",
+            f64::from(self.ambisonic_order),
+            orders[0],
+            orders[1],
+        )?;
         check_range(
             "--rate",
             f64::from(self.rate),

@@ -6,8 +6,8 @@ use crate::worker::{self, Observer};
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::hrtf::HrirSet;
 use echomarch::response::{
-    Accuracy, BandFigures, Figures, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
-    Response, ResponseError, ResponseSettings, Round,
+    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, ImpulseResponse, ImpulseSettings,
+    ListenerAxes, Response, ResponseError, ResponseSettings, Round,
 };
 use echomarch::scene::Pair;
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
@@ -335,10 +335,11 @@ impl Heard {
         py: Python<'py>,
         rate_hz: u32,
         format: &str,
+        ambisonic_order: u8,
         sofa: Option<PathBuf>,
         seed: Option<u64>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let channels = py.detach(|| self.channels(rate_hz, format, sofa, seed))?;
+        let channels = py.detach(|| self.channels(rate_hz, format, ambisonic_order, sofa, seed))?;
         let array = PyArray2::from_vec2(py, &channels);
         array.map_err(|error| errors::internal(error.to_string()))
     }
@@ -410,6 +411,7 @@ impl Heard {
         &self,
         rate_hz: u32,
         format: &str,
+        ambisonic_order: u8,
         sofa: Option<PathBuf>,
         seed: Option<u64>,
     ) -> PyResult<Vec<Vec<f32>>> {
@@ -431,7 +433,10 @@ impl Heard {
             }
             ("mono", None) => Format::Mono,
             ("stereo", None) => Format::Stereo,
-            ("ambisonic" | "ambisonics" | "ambix", None) => Format::AmbiX,
+            ("ambisonic" | "ambisonics" | "ambix", None) => {
+                let order = AmbisonicOrder::new(ambisonic_order).map_err(errors::from)?;
+                Format::AmbiX(order)
+            }
             _ => {
                 let message = format!(
                     "there is no format {format:?}: use mono, stereo, ambisonics or binaural"

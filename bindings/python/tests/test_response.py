@@ -50,12 +50,16 @@ def test_impulse_responses_have_channels_and_samples(room, hrirs):
     for format, channels in (("mono", 1), ("stereo", 2), ("ambisonics", 4)):
         samples = r.ir(rate=16000, format=format)
         assert samples.shape == (channels, 4800) and samples.dtype == np.float32
+    third = r.ir(format="ambisonics", order=3)
+    assert third.shape == (16, 14400)
+    np.testing.assert_array_equal(third[:4], r.ir(format="ambisonics"))
     assert r.ir(format="binaural", sofa=hrirs).shape == (2, 14400)
     np.testing.assert_array_equal(r.ir(), r.ir(seed=1))
     assert not np.array_equal(r.ir(), r.ir(seed=2))
     for bad, sentence in (
         ({"format": "binaural"}, "needs head-related impulse responses"),
         ({"format": "quad"}, "there is no format \"quad\""),
+        ({"format": "ambisonics", "order": 8}, "the order of ambisonics must be 1 to 7, not 8"),
         ({"sofa": hrirs}, "sofa= has no effect on the format mono"),
         ({"rate": 10}, "a sampling rate of 10 Hz"),
     ):

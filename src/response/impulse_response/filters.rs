@@ -1,7 +1,7 @@
 //! Signals of impulse responses: octave-band filters, taps at fractional sample positions, and Gaussian noise shaped by
 //! an echogram.
 
-use super::{Encoding, MOST_CHANNELS, Noise, Sound, amplitude};
+use super::{AmbisonicOrder, Encoding, MOST_CHANNELS, Noise, Sound, amplitude};
 use crate::bands::BAND_COUNT;
 use crate::sampling::{hash, unit_interval};
 use realfft::num_complex::Complex;
@@ -224,10 +224,17 @@ struct Noises {
 
 impl Noises {
     fn new(seed: u64, band: usize) -> Noises {
-        let stream = |number: usize| Gauss::new(seed, (band * (MOST_CHANNELS + 1) + number) as u64);
+        // The streams of a band: the channels of the first order, then the common noise. Those of higher orders follow
+        // all bands.
+        const FIRST: usize = AmbisonicOrder::FIRST.channels();
+        let of_band = |number: usize| (band * (FIRST + 1) + number) as u64;
+        let own = |channel: usize| match channel < FIRST {
+            true => of_band(channel),
+            false => (BAND_COUNT * (FIRST + 1) + band * MOST_CHANNELS + channel) as u64,
+        };
         Noises {
-            common: stream(MOST_CHANNELS),
-            own: std::array::from_fn(stream),
+            common: Gauss::new(seed, of_band(FIRST)),
+            own: std::array::from_fn(|channel| Gauss::new(seed, own(channel))),
         }
     }
 

@@ -5,6 +5,8 @@ use super::{Echogram, ResponseError, Tap};
 use crate::bands::BAND_COUNT;
 use crate::hrtf::HrirSet;
 use crate::scene::Listener;
+pub use ambisonics::AmbisonicOrder;
+use ambisonics::{MOST_CHANNELS, degree, harmonics};
 use filters::{Crossing, Spectra};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -12,6 +14,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+mod ambisonics;
 mod binaural;
 mod filters;
 #[cfg(test)]
@@ -22,7 +25,7 @@ const DEFAULT_RATE_HZ: u32 = 48_000;
 
 /// Settings of an impulse response.
 ///
-/// Each field is serialised by its name. The format is `"mono"`, `"stereo"` or `"ambix"`. `binaural` is refused,
+/// Each field is serialised by its name. The format is `"mono"`, `"stereo"` or `{"ambix": order}`. `binaural` is refused,
 /// because it contains a set of measurements. A missing field has its default, except the seconds, which are required.
 /// Unknown fields and numbers out of range are refused.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -177,7 +180,7 @@ impl ImpulseResponse {
         let channels = match &settings.format {
             Format::Mono => sound.channels(Encoding::Mono),
             Format::Stereo => sound.channels(Encoding::Stereo),
-            Format::AmbiX => sound.channels(Encoding::AmbiX),
+            Format::AmbiX(order) => sound.channels(Encoding::AmbiX(*order)),
             Format::Binaural(hrirs) if hrirs.rate_hz() == rate_hz => {
                 binaural::channels(&sound, hrirs)
             }
@@ -334,13 +337,6 @@ impl ListenerAxes {
     }
 }
 
-/// Maximum number of channels of an encoding.
-const MOST_CHANNELS: usize = 4;
-
-/// The mean square of one component of a unit vector over all directions: the share of a diffuse
-/// field's energy in a first-order channel (SN3D).
-const DIFFUSE_SHARE: f64 = 1.0 / 3.0;
-
 /// The channels of an impulse response.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -351,10 +347,10 @@ pub enum Format {
     /// Left and right: each arrival is panned with constant power by its component s along the right ear's direction,
     /// with gains cos and sin of (1 + s) π/4.
     Stereo,
-    /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested Ambisonics Format*,
-    /// 2011): channels W, Y, Z, X (ACN); a wave from (x, y, z) has the gains 1, y, z, x (SN3D), where x is ahead of the
-    /// listener, y to the left, z up.
-    AmbiX,
+    /// Ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested Ambisonics Format*, 2011): channels
+    /// in the order ACN with the normalisation SN3D. A wave from (x, y, z) has the gains 1, y, z, x in the first four
+    /// channels W, Y, Z, X, where x is ahead of the listener, y to the left, z up.
+    AmbiX(AmbisonicOrder),
     /// Left and right ear, for headphones: each arrival is filtered by the head-related impulse
     /// responses of its direction. A set at another rate is resampled.
     #[serde(skip)]
@@ -366,7 +362,7 @@ pub enum Format {
 pub(crate) enum Encoding {
     Mono,
     Stereo,
-    AmbiX,
+    AmbiX(AmbisonicOrder),
 }
 
 /// Amplitudes of the noise in each channel: of the noise common to all channels, and of the noise of this channel
@@ -383,7 +379,7 @@ impl Format {
         match self {
             Format::Mono => 1,
             Format::Stereo | Format::Binaural(_) => 2,
-            Format::AmbiX => 4,
+            Format::AmbiX(order) => order.channels(),
         }
     }
 }
@@ -394,24 +390,23 @@ impl Encoding {
         match self {
             Encoding::Mono => 1,
             Encoding::Stereo => 2,
-            Encoding::AmbiX => 4,
+            Encoding::AmbiX(order) => order.channels(),
         }
     }
 
     /// The gains of sound from a direction (a unit vector towards its source).
     pub(crate) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
+        let mut gains = [0.0; MOST_CHANNELS];
         match self {
-            Encoding::Mono => [1.0, 0.0, 0.0, 0.0],
+            Encoding::Mono => gains[0] = 1.0,
             Encoding::Stereo => {
                 let side = from.dot(axes.right()).clamp(-1.0, 1.0);
                 let (right, left) = ((1.0 + side) * FRAC_PI_4).sin_cos();
-                [left, right, 0.0, 0.0]
+                gains[..2].copy_from_slice(&[left, right]);
             }
-            Encoding::AmbiX => {
-                let DVec3 { x, y, z } = axes.to_listener(from);
-                [1.0, y, z, x]
-            }
+            Encoding::AmbiX(order) => gains = harmonics(order, axes.to_listener(from)),
         }
+        gains
     }
 
     /// Noise of power 1 from all directions, weighted by a mean direction: `mean` is the energy-weighted mean of the
@@ -430,20 +425,22 @@ impl Encoding {
             Encoding::Stereo => {
                 let side = mean.dot(axes.right()).clamp(-1.0, 1.0);
                 let sine = (side * FRAC_PI_2).sin();
-                let own = [(1.0 - sine) / 2.0, (1.0 + sine) / 2.0, 0.0, 0.0];
-                Noise {
-                    common: none,
-                    own: own.map(f64::sqrt),
-                }
+                let mut own = none;
+                own[0] = ((1.0 - sine) / 2.0).sqrt();
+                own[1] = ((1.0 + sine) / 2.0).sqrt();
+                Noise { common: none, own }
             }
-            Encoding::AmbiX => {
+            Encoding::AmbiX(_) => {
                 let directed = mean.length().min(1.0);
-                let gains = self.gains(axes, mean.try_normalize().unwrap_or(DVec3::ZERO));
-                let diffuse = (1.0 - directed).sqrt();
-                let side = diffuse * DIFFUSE_SHARE.sqrt();
+                let gains = match mean.try_normalize() {
+                    Some(mean) => self.gains(axes, mean),
+                    None => none,
+                };
+                // The share of a channel in the energy of a diffuse field.
+                let share = |channel: usize| 1.0 / (2 * degree(channel) + 1) as f64;
                 Noise {
                     common: gains.map(|gain| gain * directed.sqrt()),
-                    own: [diffuse, side, side, side],
+                    own: std::array::from_fn(|channel| ((1.0 - directed) * share(channel)).sqrt()),
                 }
             }
         }

@@ -120,7 +120,12 @@ fn directions_are_encoded() {
         (DVec3::Y, [1.0, 0.0, 1.0, 0.0]),
         (diagonal, [1.0, -third, third, third]),
     ] {
-        let made = response(&[tap(0.01, ONE, from)], &empty(), Format::AmbiX, 0);
+        let made = response(
+            &[tap(0.01, ONE, from)],
+            &empty(),
+            Format::AmbiX(AmbisonicOrder::FIRST),
+            0,
+        );
         for (channel, gain) in made.channels().iter().zip(gains) {
             assert!((f64::from(channel[480]) - gain).abs() < 1e-6, "{from}");
         }
@@ -260,21 +265,36 @@ fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
 /// %, and the test allows four standard deviations.
 #[test]
 fn noise_comes_from_where_the_energy_came() {
-    let left = response(&[], &decaying(&[DVec3::NEG_X]), Format::AmbiX, 5);
+    let left = response(
+        &[],
+        &decaying(&[DVec3::NEG_X]),
+        Format::AmbiX(AmbisonicOrder::FIRST),
+        5,
+    );
     for (channel, expected) in [1.0, 1.0, 0.0, 0.0].into_iter().enumerate() {
         assert!(
             (share(&left, 0, channel) - expected).abs() < 1e-3,
             "{channel}"
         );
     }
-    let diffuse = response(&[], &decaying(&[DVec3::NEG_X, DVec3::X]), Format::AmbiX, 5);
+    let diffuse = response(
+        &[],
+        &decaying(&[DVec3::NEG_X, DVec3::X]),
+        Format::AmbiX(AmbisonicOrder::FIRST),
+        5,
+    );
     for channel in 1..4 {
         assert!(share(&diffuse, 0, channel).abs() < 0.08);
         assert!((share(&diffuse, channel, channel) - 1.0 / 3.0).abs() < 0.08);
     }
     // Three quarters of the energy come from ahead, one quarter from behind: half of the energy is directed.
     let ahead = [DVec3::NEG_Z, DVec3::NEG_Z, DVec3::NEG_Z, DVec3::Z];
-    let half = response(&[], &decaying(&ahead), Format::AmbiX, 5);
+    let half = response(
+        &[],
+        &decaying(&ahead),
+        Format::AmbiX(AmbisonicOrder::FIRST),
+        5,
+    );
     assert!((share(&half, 0, 3) - 0.5).abs() < 0.08);
     assert!((share(&half, 3, 3) - (0.5 + 0.5 / 3.0)).abs() < 0.08);
     let right = response(

@@ -458,12 +458,19 @@ fn the_text_names_figures_and_paths() {
 fn files_open_in_sox() {
     let folder = tempfile::tempdir().unwrap();
     let file = hall(folder.path());
-    for (format, channels) in [("mono", "1"), ("stereo", "2"), ("ambisonic", "4")] {
-        let wav = folder.path().join(format!("{format}.wav"));
+    let formats = [
+        ("mono", "1", "1"),
+        ("stereo", "1", "2"),
+        ("ambisonic", "1", "4"),
+        ("ambisonic", "7", "64"),
+    ];
+    for (format, order, channels) in formats {
+        let wav = folder.path().join(format!("{format}-{order}.wav"));
         let pair = ["--source", "flute", "--listener", "stalls"];
         let call = ["impulse", &file, "--waves", "4096", "--seconds", "0.5"];
-        let out = ["--format", format, "-o", argument(&wav), "--quiet"];
-        succeed(&[&call[..], &pair, &out].concat());
+        let format_options = ["--format", format, "--ambisonic-order", order];
+        let out = [&format_options[..], &["-o", argument(&wav), "--quiet"]].concat();
+        succeed(&[&call[..], &pair, &out[..]].concat());
         let told = |what: &str| {
             let answer = Command::new("soxi").arg(what).arg(&wav).output();
             let answer = answer.expect("sox is missing: install the Debian package sox");

@@ -277,6 +277,7 @@ class Response:
         format: str = "mono",
         sofa: Optional[AnyPath] = None,
         seed: Optional[int] = None,
+        order: int = 1,
     ) -> npt.NDArray[np.float32]:
         """Return an impulse response.
 
@@ -287,19 +288,21 @@ class Response:
         rate : int
             Samples per second.
         format : {"mono", "stereo", "binaural", "ambisonics"}
-            The channels: one; left and right; the two ears (needs `sofa`); first-order ambisonics (AmbiX: W, Y, Z, X,
-            SN3D; x ahead of the listener, y to the left, z up).
+            The channels: one; left and right; the two ears (needs `sofa`); ambisonics (AmbiX: channels in the order
+            ACN, SN3D; x ahead of the listener, y to the left, z up).
         sofa : path, optional
             A SOFA file of the convention SimpleFreeFieldHRIR, for the format "binaural".
         seed : int, optional
             Seed of the noise of the late part; the seed of the response by default.
+        order : int
+            Order of the format "ambisonics", 1 to 7: (order + 1)² channels.
 
         Returns
         -------
         numpy.ndarray of float32, shape (channels, samples)
         """
         file = None if sofa is None else os.fspath(sofa)
-        return self._heard.impulse_response(rate, format, file, seed)
+        return self._heard.impulse_response(rate, format, order, file, seed)
 
     def decay(self) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return the decay curves: backward integrals of the energy (Schroeder 1965), without an estimated tail.
