@@ -192,6 +192,7 @@ impl Scene {
         for surface in &mut self.surfaces {
             surface.drive(named);
         }
+        self.drive_materials(values);
         Ok(())
     }
 
@@ -204,6 +205,11 @@ impl Scene {
                 Motion::Keys(_) => None,
             })
             .collect();
+        names.extend(
+            self.material_drivers
+                .iter()
+                .map(|driver| driver.value.clone()),
+        );
         names.sort();
         names.dedup();
         names
@@ -234,6 +240,12 @@ impl Scene {
     #[doc(hidden)]
     pub fn named_values(&self) -> Vec<NamedValue> {
         let mut values: Vec<NamedValue> = Vec::new();
+        let mut add =
+            |value: NamedValue| match values.iter_mut().find(|known| known.name == value.name) {
+                None => values.push(value),
+                Some(known) if known.quantity.rank() < value.quantity.rank() => *known = value,
+                Some(_) => (),
+            };
         for surface in &self.surfaces {
             for driver in &surface.drivers {
                 let Motion::Named(name) = &driver.motion else {
@@ -242,18 +254,14 @@ impl Scene {
                 let Some((value, quantity)) = surface.parameter(&driver.parameter) else {
                     continue;
                 };
-                let value = NamedValue {
+                add(NamedValue {
                     name: name.clone(),
                     value: quantity.in_file(value),
                     quantity,
-                };
-                match values.iter_mut().find(|known| known.name == *name) {
-                    None => values.push(value),
-                    Some(known) if known.quantity.rank() < quantity.rank() => *known = value,
-                    Some(_) => (),
-                }
+                });
             }
         }
+        self.values_of_materials().for_each(&mut add);
         values.sort_by(|a, b| a.name.cmp(&b.name));
         values
     }

@@ -14,6 +14,7 @@ mod driven_numbers;
 mod error;
 mod file;
 mod material;
+mod material_values;
 pub mod mesh;
 mod motion;
 mod notation;
@@ -34,6 +35,7 @@ pub(crate) use file::SceneWatch;
 #[doc(hidden)]
 pub use file::{bases_of, path_from};
 pub use material::{BuiltinMaterial, Material};
+pub use material_values::{MaterialDriver, MaterialNumber};
 #[doc(hidden)]
 pub use motion::{Driver, Quantity};
 pub use motion::{Key, Motion, Path};
@@ -90,6 +92,8 @@ pub struct Scene {
     pub surfaces: Vec<Surface>,
     /// The scene's own materials by name. The [built-in materials](Material::BUILTIN) need no entry here.
     pub materials: BTreeMap<String, Material>,
+    /// The named values that set numbers of these materials.
+    pub material_drivers: Vec<MaterialDriver>,
     /// Scattering coefficient (0 to 1) of the [built-in materials](Material::BUILTIN), by octave band; 0 by default.
     /// In a scene file also the materials of the scene that state no scattering have this coefficient. Surfaces without
     /// a material do not scatter.
@@ -114,6 +118,7 @@ impl Scene {
             name: name.into(),
             surfaces,
             materials: BTreeMap::new(),
+            material_drivers: Vec::new(),
             scattering: [0.0; BAND_COUNT],
             air: None,
             sources: vec![source],

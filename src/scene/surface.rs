@@ -123,6 +123,12 @@ impl Surface {
         self
     }
 
+    /// Whether the surface is a union of convex solids whose values are convex functions.
+    pub(crate) fn is_obstacle(&self) -> bool {
+        let parts = self.shape.united();
+        parts.into_iter().all(Shape::has_convex_value)
+    }
+
     /// The name of the surface with this index (from 0) in messages.
     #[doc(hidden)]
     pub fn label(&self, index: usize) -> String {

@@ -7,9 +7,10 @@ use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::directivity::OMNI_SHARES;
 use super::shape::{LARGEST, Rooms};
 use super::{
-    Directivity, Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source,
-    Surface, Transmission, Warning,
+    Directivity, Listener, Material, MaterialDriver, Motion, Node, Path, ROUNDING, Scene,
+    SceneError, Source, Surface, Transmission, Warning,
 };
+use crate::bands::BAND_COUNT;
 use crate::text::nearest_or_all;
 use glam::Vec3;
 use std::collections::HashSet;
@@ -237,10 +238,28 @@ impl Scene {
         for (name, material) in &self.materials {
             self.validate_material(name, material)?;
         }
+        for driver in &self.material_drivers {
+            self.validate_material_driver(driver)?;
+        }
         for (index, surface) in self.surfaces.iter().enumerate() {
             self.validate_material_names(index, surface)?;
         }
         Ok(())
+    }
+
+    /// Checks that a driver sets an existing number.
+    fn validate_material_driver(&self, driver: &MaterialDriver) -> Result<(), SceneError> {
+        let what = |of: &str| format!("{of} that the value {:?} sets", driver.value);
+        if !self.materials.contains_key(&driver.material) {
+            let must = "a material of the scene";
+            return Err(self.bad_number(&what("the material"), must, &driver.material));
+        }
+        match driver.band {
+            Some(band) if band >= BAND_COUNT => {
+                Err(self.bad_number(&what("the index of the octave band"), "0 to 7", band))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn few_enough(&self, what: &str, count: usize) -> Result<(), SceneError> {

@@ -11,7 +11,7 @@
 //! A scene always has exactly the surfaces of its base, so that a chain of files needs memory for only one list of
 //! surfaces.
 
-use super::per_band::{OfBands, Scattering};
+use super::per_band::{OfBands, SceneScattering};
 use super::serialise::{degrees, listeners, sources};
 use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
 use super::surfaces::{AirFile, Materials};
@@ -74,9 +74,9 @@ impl Chain {
     }
 
     /// Returns the chain below a file with this scattering.
-    fn below(&self, own: Option<&OfBands<Scattering>>) -> Chain {
+    fn below(&self, own: Option<&OfBands<SceneScattering>>) -> Chain {
         Chain {
-            scattering: self.scattering.or(own.map(|own| own.0)),
+            scattering: self.scattering.or(own.map(|own| own.bands)),
             ..self.clone()
         }
     }
@@ -92,7 +92,7 @@ pub(super) struct BasedFile<'a> {
     name: Name,
     #[serde(default)]
     materials: Materials,
-    scattering: Option<OfBands<Scattering>>,
+    scattering: Option<OfBands<SceneScattering>>,
     air: Option<AirFile>,
     source: Option<SourceFile>,
     sources: Option<Several<SourceFile>>,
@@ -161,6 +161,7 @@ impl BasedFile<'_> {
         }
         let materials = self.materials.scattering_by(scene.scattering);
         scene.materials.extend(materials);
+        scene.set_material_drivers(&self.materials.names(), self.materials.drivers());
         if let Some(air) = &self.air {
             scene.air = Some(air.change(scene.air));
         }

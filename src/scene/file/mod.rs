@@ -22,7 +22,7 @@ use crate::scene::notation::{Attached, FixedRadius, Form, Name};
 use crate::scene::shape::{form_of, shape_names};
 use crate::text::{in_a_line, nearest_or_all};
 use base_scene::{BasedFile, Chain};
-use per_band::{OfBands, Scattering};
+use per_band::{OfBands, SceneScattering};
 use ron::error::{Error, SpannedError};
 use serde::Deserialize;
 use sources_and_listeners::{ListenerFile, Several, SourceFile};
@@ -184,7 +184,7 @@ struct SceneFile {
     surfaces: Vec<SurfaceFile>,
     #[serde(default)]
     materials: Materials,
-    scattering: Option<OfBands<Scattering>>,
+    scattering: Option<OfBands<SceneScattering>>,
     air: Option<AirFile>,
     source: Option<SourceFile>,
     sources: Option<Several<SourceFile>>,
@@ -201,12 +201,13 @@ impl SceneFile {
         let surfaces = self.surfaces.into_iter();
         let surfaces: Result<_, SceneError> = surfaces.map(|s| s.read(files)).collect();
         let sources: Result<_, SceneError> = sources.iter().map(|s| s.read(files)).collect();
-        let own = self.scattering.map(|own| own.0);
+        let own = self.scattering.map(|own| own.bands);
         let scattering = scattering.or(own).unwrap_or_default();
         let scene = Scene {
             name: self.name.0,
             surfaces: surfaces?,
             materials: self.materials.scattering_by(scattering).collect(),
+            material_drivers: self.materials.drivers(),
             scattering,
             air: self.air.map(|air| air.change(None)),
             sources: sources?,

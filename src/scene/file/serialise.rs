@@ -10,8 +10,8 @@ use crate::scene::notation::{Attached, Fields, Form, ShapeName, Written};
 use crate::scene::shape::Room;
 use crate::scene::shape::{form_of, numbered};
 use crate::scene::{
-    Air, Directivity, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source,
-    Surface, Transmission,
+    Air, Directivity, Driver, Listener, Material, MaterialDriver, MaterialNumber, Motion, Path,
+    Quantity, Scene, Shape, Source, Surface, Transmission,
 };
 use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
@@ -43,9 +43,13 @@ impl Serialize for Scene {
         fields.push(("surfaces", Written::List(surfaces)));
         if !self.materials.is_empty() {
             let materials = self.materials.iter();
-            let materials =
-                materials.map(|(name, of)| (name.clone(), material(of, self.scattering)));
-            fields.push(("materials", Written::Map(materials.collect())));
+            let written = |(name, of): (&String, &Material)| {
+                let drivers = self.material_drivers.iter();
+                let drivers = drivers.filter(|driver| driver.material == *name);
+                let written = material(of, self.scattering, &drivers.collect::<Vec<_>>());
+                (name.clone(), written)
+            };
+            fields.push(("materials", Written::Map(materials.map(written).collect())));
         }
         if self.scattering != [0.0; BAND_COUNT] {
             fields.push(("scattering", by_band(self.scattering)));
@@ -92,16 +96,22 @@ pub(super) fn listeners(of: &Scene) -> Written {
 }
 
 /// A material of a scene with this scattering. Values that reading supplies are left out.
-fn material(of: &Material, scattering: Bands) -> Written {
+fn material(of: &Material, scattering: Bands, drivers: &[&MaterialDriver]) -> Written {
     let parts = [
-        ("absorption", of.absorption, [0.0; BAND_COUNT]),
-        ("scattering", of.scattering, scattering),
+        ("absorption", MaterialNumber::Absorption, [0.0; BAND_COUNT]),
+        ("scattering", MaterialNumber::Scattering, scattering),
     ];
-    let said = parts
-        .into_iter()
-        .filter(|(_, bands, supplied)| bands != supplied);
-    let said = said.map(|(part, bands, _)| (part, by_band(bands)));
-    let mut fields: Fields = said.collect();
+    let mut fields = Fields::new();
+    for (part, number, supplied) in parts {
+        let bands = *number.of(of);
+        let of_number = drivers.iter().filter(|driver| driver.number == number);
+        let of_number: Vec<_> = of_number.copied().collect();
+        if !of_number.is_empty() {
+            fields.push((part, driven_by_band(bands, &of_number)));
+        } else if bands != supplied {
+            fields.push((part, by_band(bands)));
+        }
+    }
     match of.transmission {
         None => {}
         Some(Transmission::Reduction {
@@ -120,6 +130,25 @@ fn material(of: &Material, scattering: Bands) -> Written {
         }
     }
     Written::Struct("Material", fields)
+}
+
+/// The numbers of a material that named values set.
+fn driven_by_band(bands: Bands, drivers: &[&MaterialDriver]) -> Written {
+    let named = |driver: &MaterialDriver, number: f64| {
+        Written::Named(driver.value.clone(), Box::new(Written::Real(number)))
+    };
+    // If several drivers set the same number, the last driver applies.
+    if let Some(driver) = drivers.iter().rev().find(|driver| driver.band.is_none()) {
+        return named(driver, bands[0]);
+    }
+    let of_band = |(band, number): (usize, &f64)| {
+        let driver = drivers
+            .iter()
+            .rev()
+            .find(|driver| driver.band == Some(band));
+        driver.map_or(Written::Real(*number), |driver| named(driver, *number))
+    };
+    Written::List(bands.iter().enumerate().map(of_band).collect())
 }
 
 /// One number if it is the same in all bands, otherwise eight numbers.
@@ -318,7 +347,7 @@ fn number(name: &str, value: f32, quantity: Quantity, drivers: &[Driver]) -> Wri
     let driver = drivers.iter().rev().find(|d| d.parameter == name);
     match driver.map(|driver| &driver.motion) {
         None => Written::Number(value),
-        Some(Motion::Named(name)) => Written::Named(name.clone(), value),
+        Some(Motion::Named(name)) => Written::Named(name.clone(), Box::new(Written::Number(value))),
         Some(Motion::Keys(keys)) => {
             let keys = keys.iter();
             Written::Keys(keys.map(|(t, v)| (*t, in_file(quantity, *v))).collect())

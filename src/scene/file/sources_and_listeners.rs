@@ -60,7 +60,7 @@ impl DirectivityFile {
             DirectivityFile::Supercardioid => Directivity::SUPERCARDIOID,
             DirectivityFile::Hypercardioid => Directivity::HYPERCARDIOID,
             DirectivityFile::Figure8 => Directivity::FIGURE8,
-            DirectivityFile::FirstOrder(share) => Directivity::FirstOrder(share.0),
+            DirectivityFile::FirstOrder(share) => Directivity::FirstOrder(share.bands),
             DirectivityFile::Balloon { file } => Directivity::Balloon(files.balloon(file)?),
         })
     }

@@ -1,13 +1,15 @@
 //! The surfaces, materials and air of a scene file.
 
-use super::per_band::{Absorption, OfBands, Reduction, Scattering};
+use super::per_band::{Absorption, NamedBand, OfBands, Reduction, Scattering};
 use crate::bands::Bands;
 use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector, checked};
 use crate::scene::shape::Room;
 use crate::scene::shape::ShapeFile;
 use crate::scene::transmission::{COINCIDENCES, DENSITIES, THICKNESSES_M};
-use crate::scene::{Air, Material, SceneError, Surface, Transmission};
+use crate::scene::{
+    Air, Material, MaterialDriver, MaterialNumber, SceneError, Surface, Transmission,
+};
 use crate::text::nearest_or_all;
 use glam::{EulerRot, Quat, Vec3};
 use serde::Deserialize;
@@ -68,14 +70,27 @@ impl SurfaceFile {
 #[derive(Default)]
 pub struct Materials(BTreeMap<String, ReadMaterial>);
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct ReadMaterial {
     material: Material,
+    /// The named values of its numbers.
+    drivers: Vec<MaterialDriver>,
     /// Whether the file states the scattering of this material.
     states_scattering: bool,
 }
 
 impl Materials {
+    /// The names of the materials.
+    pub fn names(&self) -> Vec<String> {
+        self.0.keys().cloned().collect()
+    }
+
+    /// The named values of the materials' numbers.
+    pub fn drivers(&self) -> Vec<MaterialDriver> {
+        let drivers = self.0.values().flat_map(|read| &read.drivers);
+        drivers.cloned().collect()
+    }
+
     /// The materials. Those that state no scattering have the scattering of the scene.
     pub fn scattering_by(
         &self,
@@ -123,13 +138,28 @@ impl<'de> Deserialize<'de> for Base {
 }
 
 impl MaterialFile {
+    /// The named values of the numbers of this material.
+    fn drivers(&self, material: &str) -> Vec<MaterialDriver> {
+        let absorption = self.absorption.iter().flat_map(|said| &said.named);
+        let scattering = self.scattering.iter().flat_map(|said| &said.named);
+        let absorption = absorption.map(|named| (MaterialNumber::Absorption, named));
+        let scattering = scattering.map(|named| (MaterialNumber::Scattering, named));
+        let driver = |(number, named): (MaterialNumber, &NamedBand)| MaterialDriver {
+            material: material.to_owned(),
+            number,
+            band: named.band,
+            value: named.value.clone(),
+        };
+        absorption.chain(scattering).map(driver).collect()
+    }
+
     /// The material, or the reason why its fields contradict each other.
     fn material(self) -> Result<Material, &'static str> {
         let transmission = self.transmission()?;
         let Base(base) = self.base;
         Ok(Material {
-            absorption: self.absorption.map_or(base.absorption, |said| said.0),
-            scattering: self.scattering.map_or(base.scattering, |said| said.0),
+            absorption: self.absorption.map_or(base.absorption, |said| said.bands),
+            scattering: self.scattering.map_or(base.scattering, |said| said.bands),
             transmission,
         })
     }
@@ -149,7 +179,7 @@ impl MaterialFile {
             (Some(_), None) => Err("has a reduction, but no thickness to which it belongs"),
             (None, Some(_)) => Err("has a thickness, but no reduction that belongs to it"),
             (Some(index_db), Some(thickness)) => {
-                Ok(Some(Transmission::reduced_by(index_db.0, thickness.0)))
+                Ok(Some(Transmission::reduced_by(index_db.bands, thickness.0)))
             }
             (None, None) if self.density.is_none() && coincidence.is_none() => Ok(base),
             (None, None) => {
@@ -224,12 +254,14 @@ impl<'de> Visitor<'de> for ByName {
             }
             let said: MaterialFile = said.next_value()?;
             let states_scattering = said.scattering.is_some();
+            let drivers = said.drivers(&name);
             let material = said.material().map_err(|why| {
                 let why = format!("the material {name:?} {why}");
                 A::Error::custom(why)
             })?;
             let read = ReadMaterial {
                 material,
+                drivers,
                 states_scattering,
             };
             materials.insert(name, read);

@@ -184,8 +184,8 @@ pub(crate) enum Written {
     List(Vec<Written>),
     /// A key-framed number: pairs (seconds, value).
     Keys(Vec<(f64, f32)>),
-    /// A number driven by a named value: the name and the current value.
-    Named(String, f32),
+    /// A number driven by a named value: the name and the current number.
+    Named(String, Box<Written>),
     /// Values by name: `{"name": …}`.
     Map(Vec<(String, Written)>),
     /// A struct of the notation, with its name and fields.
