@@ -8,6 +8,10 @@ uniform float uChordScale;    // 1 / (4 radii of the largest detector): scales a
 uniform vec4 uDetectors[DETECTORS];   // centre in the march's coordinates, radius
 uniform int uDetectorCount;
 
+#if LIMITS > 0
+uniform vec4 uLimits[LIMITS * DETECTORS];   // planes in front of which a detector counts: unit normal, metres from its centre
+#endif
+
 #if INNER_SPHERE
 uniform float uInnerRadii[DETECTORS];   // metres: a sphere within each detector, about the same centre
 #endif
@@ -38,21 +42,6 @@ void addLength(float t) {
     rest += t - whole;
 }
 
-#if INNER_SPHERE
-// The direction's x in whole steps of 1 / X_STEPS, plus the part of the flight within the inner sphere as a fraction
-// below a half.
-float xAndInnerChord(int detector, float x, float along, float squaredAside, float t) {
-    const float X_STEPS = 512.0;
-    float halfChord = sqrt(max(uInnerRadii[detector] * uInnerRadii[detector] - squaredAside, 0.0));
-    float chord = min(halfChord - along, t) - max(-along - halfChord, 0.0);
-    return floor(X_STEPS * x + 0.5) + max(chord, 0.0) * chordScale;
-}
-#else
-float xAndInnerChord(int detector, float x, float along, float squaredAside, float t) {
-    return x;
-}
-#endif
-
 // The part of the flight from p along d within a detector's sphere.
 struct Crossing {
     float along;          // metres from the closest point of the flight's line to p, along d
@@ -60,6 +49,40 @@ struct Crossing {
     float enters;         // metres from p to both ends of the part; enters >= leaves: the flight misses the sphere
     float leaves;
 };
+
+#if INNER_SPHERE
+// The direction's x in whole steps of 1 / X_STEPS, plus the part of the flight within the inner sphere as a fraction
+// below a half.
+float xAndInnerChord(int detector, float x, Crossing crossing) {
+    const float X_STEPS = 512.0;
+    float squaredRadius = uInnerRadii[detector] * uInnerRadii[detector];
+    float halfChord = sqrt(max(squaredRadius - crossing.squaredAside, 0.0));
+    float leaves = min(halfChord - crossing.along, crossing.leaves);
+    float chord = leaves - max(-crossing.along - halfChord, crossing.enters);
+    return floor(X_STEPS * x + 0.5) + max(chord, 0.0) * chordScale;
+}
+#else
+float xAndInnerChord(int detector, float x, Crossing crossing) {
+    return x;
+}
+#endif
+
+// Limits a crossing to the part in front of a detector's planes.
+void limitCrossing(int detector, vec3 p, vec3 d, inout Crossing crossing) {
+#if LIMITS > 0
+    const float PARALLEL = 1e-20;   // a smaller slope counts as this one
+    vec3 from = p - uDetectors[detector].xyz;
+    for (int number = 0; number < LIMITS; ++number) {
+        vec4 plane = uLimits[LIMITS * detector + number];
+        float slope = dot(plane.xyz, d);
+        float meets = (plane.w - dot(plane.xyz, from)) / (abs(slope) < PARALLEL ? PARALLEL : slope);
+        crossing.leaves = slope < 0.0 ? crossing.leaves : min(crossing.leaves, meets);
+        crossing.enters = slope < 0.0 ? max(crossing.enters, meets) : crossing.enters;
+    }
+    // A crossing behind a plane has no length.
+    crossing.leaves = max(crossing.leaves, crossing.enters);
+#endif
+}
 
 // If the flight of t metres begins or ends inside, only the part of the chord that it covers counts.
 Crossing crossingOf(int detector, vec3 p, vec3 d, float t) {
@@ -73,21 +96,23 @@ Crossing crossingOf(int detector, vec3 p, vec3 d, float t) {
 }
 
 // Stores the record of a crossing at a place; -1: nowhere.
-void recordCrossing(float place, int detector, Crossing crossing, vec3 d, float t, float iteration) {
+void recordCrossing(float place, int detector, Crossing crossing, vec3 d, float iteration) {
     const float ITERATIONS = 64.0;   // more than a chunk has
     float chord = crossing.leaves - crossing.enters;
     // The sign of the direction's third component is recorded separately; its magnitude follows
     // from the other two.
     float share = iteration + ITERATIONS * float(detector) + chord * chordScale;
     float middle = sixteenths + (rest + 0.5 * (crossing.enters + crossing.leaves));
-    float x = xAndInnerChord(detector, d.x, crossing.along, crossing.squaredAside, t);
+    float x = xAndInnerChord(detector, d.x, crossing);
     keepRecord(place, vec4(middle, d.z < 0.0 ? -share : share, x, d.y));
 }
 
 #if DETECTORS > 1
 void recordAt(float place, float detector, vec3 p, vec3 d, float t, float iteration) {
     int number = int(max(detector, 0.0));
-    recordCrossing(detector < 0.0 ? -1.0 : place, number, crossingOf(number, p, d, t), d, t, iteration);
+    Crossing crossing = crossingOf(number, p, d, t);
+    limitCrossing(number, p, d, crossing);
+    recordCrossing(detector < 0.0 ? -1.0 : place, number, crossing, d, iteration);
 }
 
 // Counts the crossings of a flight, and records those for which there are places. Few of many detectors are crossed, so
@@ -110,8 +135,9 @@ void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
 #else
 void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
     Crossing crossing = crossingOf(0, p, d, t);
+    limitCrossing(0, p, d, crossing);
     bool crosses = crossing.leaves > crossing.enters;
-    recordCrossing(crosses ? crossings - passedOver : -1.0, 0, crossing, d, t, iteration);
+    recordCrossing(crosses ? crossings - passedOver : -1.0, 0, crossing, d, iteration);
     crossings += crosses ? 1.0 : 0.0;
 }
 #endif

@@ -135,7 +135,10 @@ impl Decay {
         let pair = pairs[0];
         let medium = Medium::of(pair);
         // More of the few waves that carry the end of the decay cross the larger sphere.
-        let wide = |pair: &Pair| LateSphere::of(*pair, LEAST_ORDER).detector(pair.listener);
+        let wide = |pair: &Pair| {
+            let sphere = LateSphere::of(*pair, LEAST_ORDER, settings.accuracy.as_ref());
+            sphere.detector(pair.listener)
+        };
         let detectors: Vec<Detector> = pairs.iter().map(wide).collect();
         let solids = transmission::solids(pair, settings)?;
         let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids.as_ref()?, hit);

@@ -101,7 +101,7 @@ pub(super) fn response(
     }
     if let Some(inner) = &sums.inner {
         let differences = inner.of_figures(&record, direct_s);
-        if late::are_biased(&differences) {
+        if late::are_biased(&differences, late.accepted_bias) {
             return Ok(None);
         }
         figures = figures.with_bias(&differences);

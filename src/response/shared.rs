@@ -48,7 +48,10 @@ impl<'a> Listeners<'a> {
         settings: &ResponseSettings,
     ) -> Listeners<'a> {
         let pairs: Vec<Pair> = pairs.collect();
-        let sphere = |pair: &Pair| LateSphere::of(*pair, settings.order_in(pair.scene));
+        let sphere = |pair: &Pair| {
+            let order = settings.order_in(pair.scene);
+            LateSphere::of(*pair, order, settings.accuracy.as_ref())
+        };
         Listeners {
             spheres: pairs.iter().map(sphere).collect(),
             pairs,
@@ -82,7 +85,7 @@ impl<'a> Listeners<'a> {
         Ok(responses)
     }
 
-    /// The responses of this length. Listeners for which the larger sphere is rejected keep their own sphere.
+    /// The responses of this length. Where a sphere is rejected, its inner sphere takes its place.
     pub fn trace(
         &mut self,
         tracer: &mut Tracer,
@@ -94,19 +97,23 @@ impl<'a> Listeners<'a> {
         for indices in all.chunks(most_together(settings, seconds)) {
             responses.extend(self.only(indices).in_spheres(tracer, settings, seconds)?);
         }
-        let is_missing = |index: &usize| responses[*index].is_none();
-        let rejected: Vec<usize> = all.into_iter().filter(is_missing).collect();
-        for index in &rejected {
-            self.spheres[*index] = LateSphere::own(self.pairs[*index].listener);
-        }
-        for indices in rejected.chunks(most_together(settings, seconds)) {
-            let again = self.only(indices).in_spheres(tracer, settings, seconds)?;
-            for (index, response) in indices.iter().zip(again) {
-                responses[*index] = response;
+        // A listener's own sphere is never rejected, so the loop ends.
+        loop {
+            let is_missing = |index: &usize| responses[*index].is_none();
+            let rejected: Vec<usize> = all.iter().copied().filter(is_missing).collect();
+            if rejected.is_empty() {
+                return Ok(responses.into_iter().flatten().collect());
+            }
+            for index in &rejected {
+                self.spheres[*index] = self.spheres[*index].inner(self.pairs[*index]);
+            }
+            for indices in rejected.chunks(most_together(settings, seconds)) {
+                let again = self.only(indices).in_spheres(tracer, settings, seconds)?;
+                for (index, response) in indices.iter().zip(again) {
+                    responses[*index] = response;
+                }
             }
         }
-        // A listener's own sphere is never rejected.
-        Ok(responses.into_iter().flatten().collect())
     }
 
     /// The responses with late arrivals counted in the spheres; `None` for a listener whose figures are biased by the

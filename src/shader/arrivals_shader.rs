@@ -41,6 +41,8 @@ pub(crate) struct ArrivalsText {
     pub has_inner_sphere: bool,
     /// Number of spheres whose crossings are recorded.
     pub detectors: u32,
+    /// Number of planes that limit each sphere.
+    pub limits: u32,
     /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
     /// Whether faces of a mesh have different materials.
@@ -73,6 +75,7 @@ impl ArrivalsText {
             transmits: materials.transmit(),
             has_inner_sphere: false,
             detectors: 1,
+            limits: 0,
             rooms: materials.rooms(),
             has_groups: materials.has_groups(),
         };
@@ -89,7 +92,7 @@ impl ArrivalsText {
 
     /// Number of uniform vectors of the detectors.
     pub fn detector_vectors(&self) -> usize {
-        self.detectors as usize * (1 + usize::from(self.has_inner_sphere))
+        self.detectors as usize * (1 + usize::from(self.has_inner_sphere) + self.limits as usize)
     }
 
     /// Number of textures that a pass writes to.
@@ -123,14 +126,16 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let options = format!(
         "#define MARCHES_FIELDS {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
-         #define WORDS {}\n#define SCATTERS {}\n#define INNER_SPHERE {}\n#define DETECTORS {}\n",
+         #define WORDS {}\n#define SCATTERS {}\n#define INNER_SPHERE {}\n#define DETECTORS {}\n\
+         #define LIMITS {}\n",
         u8::from(marches),
         text.event_bits,
         text.events_in_word(),
         text.words(),
         u8::from(text.scatters),
         u8::from(text.has_inner_sphere),
-        text.detectors
+        text.detectors,
+        text.limits
     );
     if text.event_bits > 0 {
         library.extend(materials_parts(&scene, text));

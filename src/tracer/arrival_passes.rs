@@ -2,9 +2,9 @@
 
 use super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, Detector, DetectorDensity, EventTable,
-    Followed, ITERATIONS_BEFORE_RESAMPLING, LISTED_AT_MOST, Listed, MOST_PASSAGES, OpenVolumes,
-    Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow, compiled_detectors, kept,
-    listed_rows, most_detectors, thinned,
+    Followed, ITERATIONS_BEFORE_RESAMPLING, LISTED_AT_MOST, Listed, MOST_LIMITS, MOST_PASSAGES,
+    OpenVolumes, Passage, Replay, Start, Transmitting, WAVES_IN_BLOCK, WavesToFollow,
+    compiled_detectors, kept, listed_rows, most_detectors, thinned,
 };
 use super::block_waves::Waves;
 use super::gpu_scene::check_uniforms;
@@ -19,7 +19,7 @@ use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
 use crate::sampling::{hash, unit_interval};
-use crate::scene::{IntoPair, Pair, Scene, Source};
+use crate::scene::{IntoPair, Pair, Scene, Source, Surface};
 use crate::shader::{self, ArrivalsText, LoopsAsked, Materials, StartOrderText, Structure};
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
@@ -45,6 +45,8 @@ pub(super) struct Run {
     materials: Vec<Vec4>,
     /// The detectors' centres relative to the shaders' origin, and their radii.
     detectors: Vec<Vec4>,
+    /// The planes that limit the detectors.
+    limits: Vec<Vec4>,
     /// Radii of the inner spheres in metres; 0 without one.
     inner_radii_m: Vec<f32>,
     /// The open volume of the first detector's sphere.
@@ -250,6 +252,11 @@ impl Tracer {
         let text = ArrivalsText {
             has_inner_sphere: detectors.iter().any(|one| one.inner_radius.is_some()),
             detectors: compiled_detectors,
+            // They depend on the surfaces, not on their positions: moving a surface compiles no shader.
+            limits: match scene.surfaces.iter().any(Surface::is_obstacle) {
+                true => MOST_LIMITS as u32,
+                false => 0,
+            },
             ..ArrivalsText::new(march, &materials, how.records, outputs)
         };
         let in_chunk = text.most_iterations().unwrap_or(Settings::MAX_ITERATIONS);
@@ -310,6 +317,7 @@ impl Tracer {
                 origin: frame.origin.as_dvec3(),
             },
             detectors: detector_values,
+            limits: detectors.iter().flat_map(|one| one.limits).collect(),
             inner_radii_m: (detectors.iter())
                 .map(|one| one.inner_radius.unwrap_or(0.0))
                 .collect(),
@@ -453,6 +461,7 @@ impl Tracer {
         run.program.set_vec4_array("uDetectors", &run.detectors);
         run.program
             .set_i32("uDetectorCount", run.detectors.len() as i32);
+        run.program.set_vec4_array("uLimits", &run.limits);
         run.program.set_f32_array("uInnerRadii", &run.inner_radii_m);
         run.program.set_vec4_array("uMaterials", &run.materials);
         if let Some(events) = &run.replay.events {

@@ -46,7 +46,8 @@ use crate::shader::{Materials, StartOrderText, Structure};
 use arrivals::ArrivalTargets;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{
-    Detector, FarEnd, Followed, SolidHit, Start, Transmitting, WavesToFollow,
+    Detector, FarEnd, Followed, Limits, MOST_LIMITS, NO_LIMITS, SolidHit, Start, Transmitting,
+    WavesToFollow,
 };
 pub use error::TraceError;
 #[cfg(not(target_arch = "wasm32"))]

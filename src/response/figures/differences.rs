@@ -6,6 +6,8 @@ use crate::bands::BAND_COUNT;
 
 /// The differences of all figures by band.
 pub(crate) struct Differences {
+    /// The figures of the first record.
+    values: [List; BAND_COUNT],
     /// The squares of the differences. `None` if a record lacks the figure.
     squares: [List; BAND_COUNT],
     /// The variances of the differences from the noise of the waves.
@@ -22,6 +24,7 @@ impl Differences {
             Some(lists[1][band][figure]? - lists[0][band][figure]?)
         };
         let mut differences = Differences {
+            values: whole[0],
             squares: [[None; FIGURE_COUNT]; BAND_COUNT],
             variances: [[None; FIGURE_COUNT]; BAND_COUNT],
         };
@@ -44,18 +47,32 @@ impl Differences {
         differences
     }
 
-    /// The mean over the bands of the squares over the variances, for the figure with the largest mean. 1 is expected if
-    /// the records differ by noise alone.
-    pub fn squares_over_variances(&self) -> f64 {
-        let of_figure = |figure: usize| {
-            let ratio = |band: usize| {
-                let variance = self.variances[band][figure].filter(|variance| *variance > 0.0)?;
-                Some(self.squares[band][figure]? / variance)
+    /// Whether a figure differs by far more than noise and by more than an accuracy allows: the squares exceed the
+    /// multiple `most_times` of the variances, on the average over the bands, and the biases are on the average more than
+    /// the tolerance of the accuracy (a share of decay times).
+    pub fn exceed(&self, most_times: f64, accuracy: f64) -> bool {
+        (0..FIGURE_COUNT).any(|figure| self.exceeds(figure, most_times, accuracy))
+    }
+
+    fn exceeds(&self, figure: usize, most_times: f64, accuracy: f64) -> bool {
+        let (mut count, mut of_variances, mut of_tolerances) = (0, 0.0, 0.0);
+        for band in 0..BAND_COUNT {
+            let (Some(value), Some(square)) =
+                (self.values[band][figure], self.squares[band][figure])
+            else {
+                continue;
             };
-            let ratios: Vec<f64> = (0..BAND_COUNT).filter_map(ratio).collect();
-            ratios.iter().sum::<f64>() / ratios.len().max(1) as f64
-        };
-        (0..FIGURE_COUNT).map(of_figure).fold(0.0, f64::max)
+            let Some(variance) = self.variances[band][figure].filter(|variance| *variance > 0.0)
+            else {
+                continue;
+            };
+            let tolerance = Figures::tolerance(accuracy, figure, value);
+            count += 1;
+            of_variances += square / variance;
+            of_tolerances += (square - variance) / tolerance.powi(2);
+        }
+        let bands = f64::from(count);
+        of_variances > most_times * bands && of_tolerances > bands
     }
 }
 
@@ -123,21 +140,20 @@ mod tests {
             let [a, b] = [&a, &b].map(|echogram| Record::new(&[], echogram, 0.6));
             let figures = Figures::new(&[], a.echogram, Some(0.0), 0.6);
             let differences = Differences::between(&a, &b, Some(0.0));
-            (
-                differences.squares_over_variances(),
-                figures.with_bias(&differences),
-                figures,
-            )
+            let exceed = |most_times: f64, accuracy: f64| differences.exceed(most_times, accuracy);
+            let exceeded = [exceed(50.0, 0.01), exceed(50.0, 0.5), exceed(6.0, 1e-9)];
+            (exceeded, figures.with_bias(&differences), figures)
         };
-        let (ratio, with_bias, without) = between(1.3, 0.0);
-        assert!(ratio > 50.0, "{ratio}");
+        // A bias of some per cent, and far above the noise.
+        let (exceeded, with_bias, without) = between(1.3, 0.0);
+        assert_eq!(exceeded, [true, false, true]);
         let (more, less) = (
             with_bias.errors[3].t30_s.unwrap(),
             without.errors[3].t30_s.unwrap(),
         );
         assert!(more > 2.0 * less, "{more} {less}");
-        let (ratio, with_bias, without) = between(1.0, 1.0);
-        assert!(ratio < 6.0, "{ratio}");
+        let (exceeded, with_bias, without) = between(1.0, 1.0);
+        assert_eq!(exceeded, [false; 3]);
         let (more, less) = (
             with_bias.errors[3].t30_s.unwrap(),
             without.errors[3].t30_s.unwrap(),

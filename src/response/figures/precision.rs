@@ -49,7 +49,7 @@ impl Figures {
     /// The standard error that corresponds to an accuracy, a share of decay times, for the figure at this place in
     /// [`BandFigures::NAMES`] and with this value, in the figure's unit. Just noticeable differences (ISO 3382-1, annex
     /// A) are in proportion: for 2 % these are 2 % of a decay time, 0.2 dB, 0.01 for D50 and 2 ms for Ts.
-    fn tolerance(accuracy: f64, figure: usize, value: f64) -> f64 {
+    pub(super) fn tolerance(accuracy: f64, figure: usize, value: f64) -> f64 {
         /// Decibels, D50 and seconds per unit of accuracy.
         const DECIBELS: f64 = 10.0;
         const DEFINITION: f64 = 0.5;

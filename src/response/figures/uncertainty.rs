@@ -34,6 +34,17 @@ pub(crate) struct CommonErrors {
 }
 
 impl CommonErrors {
+    /// These errors times a factor.
+    pub fn scaled(self, factor: f64) -> CommonErrors {
+        CommonErrors {
+            decay_share: factor * self.decay_share,
+            early_decay_share: factor * self.early_decay_share,
+            clarity_db: factor * self.clarity_db,
+            strength_db: factor * self.strength_db,
+            centre_s: factor * self.centre_s,
+        }
+    }
+
     /// Error of D50, derived from the error of C50, because C50 is 10 lg(D50 / (1 − D50)).
     fn definition(&self, d50: f64) -> f64 {
         let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));

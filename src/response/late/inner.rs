@@ -3,7 +3,8 @@
 //! Where surfaces focus sound, the energy may vary within the sphere of late arrivals. The difference between the
 //! figures of the two spheres shows this. The spread of the batches gives the noise of the difference. The square of the
 //! difference less its variance estimates the square of the bias, which becomes part of the errors. If the differences
-//! exceed their noise in most bands, the sphere of late arrivals is rejected, and the listener's own sphere is used.
+//! exceed their noise and the accepted bias in most bands, the sphere of late arrivals is rejected, and the inner
+//! sphere takes its place.
 
 use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
@@ -54,7 +55,8 @@ impl Difference {
     }
 }
 
-/// Whether the differences exceed their noise, so that the sphere of late arrivals must not be used.
-pub(in crate::response) fn are_biased(differences: &Differences) -> bool {
-    differences.squares_over_variances() > MOST_TIMES_VARIANCE
+/// Whether the sphere of late arrivals must not be used: the differences exceed their noise, and the accepted bias, a
+/// share of decay times. Smaller differences only become part of the errors.
+pub(in crate::response) fn are_biased(differences: &Differences, accepted_bias: f64) -> bool {
+    differences.exceed(MOST_TIMES_VARIANCE, accepted_bias)
 }

@@ -10,6 +10,7 @@
 mod importance;
 mod inner;
 mod pilot;
+mod reach;
 mod sphere;
 
 pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};

@@ -3,11 +3,15 @@
 //!
 //! Beyond the exact paths, the energy at a point hardly differs from the energy a metre away if no surface focuses
 //! sound and no object is in between. Late arrivals are therefore counted in a sphere of [`RADIUS_M`] in an empty room,
-//! and of [`RADIUS_IN_SHADOWS_M`] elsewhere. If a surface focuses sound, the same waves are also counted in an inner
-//! sphere, and the two are compared (`late/inner.rs`). The sphere ends before any surface, because there may be
-//! another room behind the surface. The walls of a `Room` are an exception, because nothing is behind them: the sphere
-//! reaches at most as far behind such a wall as the listener is in front of it. The energy is the mean over the
-//! unobstructed part of the sphere. The times are those of paths to its centre, as in the listener's own sphere.
+//! and in a smaller one elsewhere ([`radius_in_shadows_m`]). Sound does not know the unit of length: in a room of twice
+//! the size, a sphere of twice the radius has the same bias, and eight times less noise at the same number of waves per
+//! volume. The radius therefore grows with the mean distance of the surfaces ([`scale`]).
+//!
+//! If a surface focuses sound, the same waves are also counted in an inner sphere, and the two are compared
+//! (`late/inner.rs`). The sphere does not reach behind surfaces, because there may be another room (`late/reach.rs`). The
+//! walls of a `Room` are an exception, because nothing is behind them: the sphere reaches at most as far behind such a
+//! wall as the listener is in front of it. The energy is the mean over the unobstructed part of the sphere. The times
+//! are those of paths to its centre, as in the listener's own sphere.
 //!
 //! # Near scattering surfaces
 //! This section is about sound scattered within the maximum number of reflections of exact paths.
@@ -18,10 +22,11 @@
 //! such bias, but more noise. This sound is therefore counted in both spheres, and averaged with the weights that
 //! minimise the mean square error. The remaining bias counts as an error of the figures.
 
+use super::reach::{self, Reach};
 use crate::bands::{BAND_COUNT, Bands};
-use crate::response::{CommonErrors, Echogram};
-use crate::scene::{Listener, Node, Pair, Scene, Surface};
-use crate::tracer::Detector;
+use crate::response::{Accuracy, CommonErrors, Echogram};
+use crate::scene::{Listener, Node, Pair, Scene};
+use crate::tracer::{Detector, Limits, NO_LIMITS};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as accurate as with 0.3 m. The bias of the
 /// mean over the sphere is still below the noise; with 1.5 m the bias exceeds the noise.
@@ -38,37 +43,52 @@ const ERRORS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Radius in metres if an object is in the room: the object hides part of the flutter echo between walls, and a large
-/// sphere extends beyond that shadow. In 14 random rooms with a ball or a box, T30 differed from T30 in the listener's
-/// own sphere of 0.3 m by 1.1 % (rms of all bands, without noise) with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m. In
-/// the worst of these rooms the difference was 4.4, 2.8 and 1.8 %. If all surfaces scatter 0.1, the worst difference
-/// was 2.2 % with 1 m and 1.7 % with 0.5 m.
-const RADIUS_IN_SHADOWS_M: f32 = 0.5;
-
-/// The errors with [`RADIUS_IN_SHADOWS_M`].
+/// The errors of a sphere of [`RADIUS_M`] if an object is in the room: the object hides part of the flutter echo between
+/// walls, and a large sphere extends beyond that shadow. In 14 random rooms with a ball or a box, T30 differed from T30
+/// in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, without noise) with 1 m, 0.6 % with 0.7 m and 0.4 %
+/// with 0.5 m. In the worst of these rooms the difference was 4.4, 2.8 and 1.8 %. If all surfaces scatter 0.1, the worst
+/// difference was 2.2 % with 1 m and 1.7 % with 0.5 m. G above the audience of the scene hall was 0.08 dB higher in a
+/// sphere of 4 m than in one of 1 m.
 const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
-    decay_share: 0.005,
-    early_decay_share: 0.005,
-    clarity_db: 0.03,
-    strength_db: 0.012,
+    decay_share: 0.011,
+    early_decay_share: 0.014,
+    clarity_db: 0.08,
+    strength_db: 0.08,
     centre_s: 0.0,
 };
 
-/// Additional error of a sphere of 1 m in a room that scatters. Sound from a nearby point of scattering that passes
+/// The exponent of the radius in the errors above: 1.1, 0.6 and 0.4 % with 1, 0.7 and 0.5 m.
+const GROWTH_OF_ERRORS: f64 = 1.46;
+
+/// The bias from the mean over the sphere that is accepted without a requested accuracy, as a share of decay times. The
+/// biases of other figures are in proportion to their just noticeable differences.
+const USUAL_BIAS: f64 = 0.004;
+
+/// The share of a requested accuracy that the mean over the sphere may take. The noise then takes 87 %, because both
+/// add by their squares.
+const SHARE_OF_ACCURACY: f64 = 0.5;
+
+/// The greatest mean distance in metres from a listener to the surfaces in the random rooms above.
+const MEAN_DISTANCE_M: f64 = 3.0;
+
+/// Additional error of a sphere of [`RADIUS_M`] in a room that scatters. Sound from a nearby point of scattering that passes
 /// beside the sphere's centre is timed like sound from far away, which is too early by b²/2l (b: distance from the
 /// centre, l: distance from the point of scattering). In two random rooms Ts was 0.03 to 0.35 ms too early, and C50
 /// 0.03 to 0.10 dB too high.
 const SCATTERED_CLARITY_DB: f64 = 0.06;
 const SCATTERED_CENTRE_S: f64 = 2e-4;
 
-/// Maximum radius of the sphere, in multiples of the distance to a room's wall.
-const BEHIND_WALLS: f32 = 2.0;
-
 /// The sphere of a listener.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::response) struct LateSphere {
     /// Radius in metres, at least the radius of the listener.
     pub radius_m: f32,
+    /// The planes that limit the sphere.
+    pub limits: Limits,
+    /// The size of the surroundings relative to that of the random rooms.
+    scale: f64,
+    /// The accepted bias, as a share of decay times.
+    pub accepted_bias: f64,
     /// The errors of figures from the larger sphere; `None` for the listener's own sphere.
     pub errors: Option<CommonErrors>,
     /// Radius in metres of the inner sphere in which the same waves are counted; `None` if the two are not compared.
@@ -84,26 +104,44 @@ const INNER: f32 = 0.5;
 pub(in crate::response) const LEAST_ORDER: u32 = 3;
 
 impl LateSphere {
-    /// The sphere of a pair's listener, after exact paths of up to `order` reflections.
-    pub fn of(pair: Pair, order: u32) -> LateSphere {
-        let scene = pair.scene;
-        let (most_m, errors) = match casts_shadows(scene) {
-            true => (RADIUS_IN_SHADOWS_M, ERRORS_IN_SHADOWS),
-            false => (RADIUS_M, ERRORS),
+    /// The sphere of a pair's listener, after exact paths of up to `order` reflections, for figures of the requested
+    /// accuracy.
+    pub fn of(pair: Pair, order: u32, accuracy: Option<&Accuracy>) -> LateSphere {
+        let (scene, own_m) = (pair.scene, pair.listener.radius);
+        if order < LEAST_ORDER {
+            return LateSphere::own(pair.listener);
+        }
+        let scale = scale(pair);
+        let accepted_bias = accepted_bias(accuracy);
+        let most_m = match casts_shadows(scene) {
+            true => radius_in_shadows_m(accepted_bias),
+            false => f64::from(RADIUS_M),
         };
-        let own_m = pair.listener.radius;
-        let radius_m = match order < LEAST_ORDER {
-            true => own_m,
-            false => reach_m(pair).min(most_m).max(own_m),
-        };
-        let is_larger = radius_m > own_m;
+        let reach = Reach::of(pair, (scale * most_m) as f32);
+        if reach.radius_m <= own_m {
+            return LateSphere::own(pair.listener);
+        }
         LateSphere {
-            radius_m,
-            errors: is_larger.then(|| match scene.scatters() {
-                true => scattered(errors, radius_m),
-                false => errors,
-            }),
-            inner_m: (is_larger && gathers(scene)).then(|| own_m.max(INNER * radius_m)),
+            radius_m: reach.radius_m,
+            limits: reach.limits,
+            scale,
+            accepted_bias,
+            errors: Some(errors(scene, reach.radius_m, scale)),
+            inner_m: gathers(scene).then(|| own_m.max(INNER * reach.radius_m)),
+        }
+    }
+
+    /// The inner sphere of this one, with an inner sphere of its own.
+    pub fn inner(&self, pair: Pair) -> LateSphere {
+        let own_m = pair.listener.radius;
+        match self.inner_m {
+            Some(radius_m) if radius_m > own_m => LateSphere {
+                radius_m,
+                errors: Some(errors(pair.scene, radius_m, self.scale)),
+                inner_m: Some(own_m.max(INNER * radius_m)),
+                ..*self
+            },
+            _ => LateSphere::own(pair.listener),
         }
     }
 
@@ -111,6 +149,9 @@ impl LateSphere {
     pub fn own(listener: &Listener) -> LateSphere {
         LateSphere {
             radius_m: listener.radius,
+            limits: NO_LIMITS,
+            scale: 1.0,
+            accepted_bias: USUAL_BIAS,
             errors: None,
             inner_m: None,
         }
@@ -122,17 +163,47 @@ impl LateSphere {
             position: listener.position,
             radius: self.radius_m,
             inner_radius: self.inner_m,
+            limits: self.limits,
         }
     }
 }
 
-/// These errors plus the errors of scattering in a sphere of this radius.
-fn scattered(errors: CommonErrors, radius_m: f32) -> CommonErrors {
-    let square = f64::from(radius_m).powi(2);
-    CommonErrors {
-        clarity_db: errors.clarity_db.hypot(SCATTERED_CLARITY_DB * square),
-        centre_s: errors.centre_s.hypot(SCATTERED_CENTRE_S * square),
-        ..errors
+/// The accepted bias for figures of the requested accuracy.
+fn accepted_bias(accuracy: Option<&Accuracy>) -> f64 {
+    accuracy.map_or(USUAL_BIAS, |accuracy| SHARE_OF_ACCURACY * accuracy.share)
+}
+
+/// Radius in metres if an object is in the room, before scaling: the one with the accepted bias.
+fn radius_in_shadows_m(accepted_bias: f64) -> f64 {
+    let share = (accepted_bias / ERRORS_IN_SHADOWS.decay_share).powf(GROWTH_OF_ERRORS.recip());
+    f64::from(RADIUS_M) * share.min(1.0)
+}
+
+/// The size of the surroundings of a pair's listener relative to that of the random rooms, at least 1.
+fn scale(pair: Pair) -> f64 {
+    reach::mean_distance_m(pair).map_or(1.0, |distance_m| (distance_m / MEAN_DISTANCE_M).max(1.0))
+}
+
+/// The errors of figures from the mean over a sphere.
+fn errors(scene: &Scene, radius_m: f32, scale: f64) -> CommonErrors {
+    // The radius relative to the one for which the errors are stated.
+    let share = f64::from(radius_m) / (scale * f64::from(RADIUS_M));
+    let errors = match casts_shadows(scene) {
+        true => ERRORS_IN_SHADOWS.scaled(share.powf(GROWTH_OF_ERRORS)),
+        false => ERRORS,
+    };
+    match scene.scatters() {
+        true => CommonErrors {
+            clarity_db: errors
+                .clarity_db
+                .hypot(SCATTERED_CLARITY_DB * share.powi(2)),
+            // A time, which scales as lengths do.
+            centre_s: errors
+                .centre_s
+                .hypot(SCATTERED_CENTRE_S * share.powi(2) * scale),
+            ..errors
+        },
+        false => errors,
     }
 }
 
@@ -148,19 +219,6 @@ pub(in crate::response) fn casts_shadows(scene: &Scene) -> bool {
 fn gathers(scene: &Scene) -> bool {
     let mut surfaces = scene.surfaces.iter();
     surfaces.any(|surface| surface.shape.gathers_sound())
-}
-
-/// Distance from the listener's centre within which no surface changes the sound, in metres.
-fn reach_m(pair: Pair) -> f32 {
-    let reach = |surface: &Surface| {
-        let distance = surface.distance(pair.listener.position);
-        match surface.shape.node {
-            Node::Room(_) => BEHIND_WALLS * distance,
-            _ => distance,
-        }
-    };
-    let reaches = pair.scene.surfaces.iter().map(reach);
-    reaches.fold(f32::INFINITY, f32::min)
 }
 
 /// The relative bias of a mean over a sphere of radius R, in units of (R / h)², where h is the distance of the source's
@@ -257,7 +315,7 @@ mod tests {
 
     fn room() -> Surface {
         Surface::new(Room {
-            size: Vec3::new(10.0, 4.0, 6.0),
+            size: Vec3::new(8.0, 3.0, 5.0),
         })
     }
 
@@ -265,25 +323,23 @@ mod tests {
     #[test]
     fn the_sphere_is_large_where_nothing_is_near() {
         let wall = Surface::new(Cuboid {
-            size: Vec3::new(0.1, 4.0, 6.0),
+            size: Vec3::new(0.1, 3.0, 5.0),
         });
-        let hollow = Surface::new(crate::Shape::from(Sphere { radius: 9.0 }).complement());
-        let size = Vec3::new(10.0, 4.0, 6.0);
+        let hollow = Surface::new(crate::Shape::from(Sphere { radius: 2.5 }).complement());
+        let size = Vec3::new(8.0, 3.0, 5.0);
         let hollow_box = Surface::new(crate::Shape::from(Cuboid { size }).complement());
         let radius = |surfaces, listener| {
             let scene = scene(surfaces, listener);
-            LateSphere::of(scene.only_pair().unwrap(), 3).radius_m
+            LateSphere::of(scene.only_pair().unwrap(), 3, None).radius_m
         };
         assert_eq!(radius(vec![room()], Vec3::ZERO), RADIUS_M);
-        assert!((radius(vec![room()], Vec3::X * 4.6) - 0.8).abs() < 1e-5);
-        assert_eq!(radius(vec![room()], Vec3::X * 4.9), 0.3);
-        assert!((radius(vec![room(), wall], Vec3::X * 0.45) - 0.4).abs() < 1e-5);
-        assert_eq!(radius(vec![hollow], Vec3::ZERO), RADIUS_IN_SHADOWS_M);
-        assert_eq!(
-            radius(vec![hollow_box.clone()], Vec3::ZERO),
-            RADIUS_IN_SHADOWS_M
-        );
-        assert!((radius(vec![hollow_box], Vec3::X * 4.6) - 0.4).abs() < 1e-5);
+        assert!((radius(vec![room()], Vec3::X * 3.6) - 0.8).abs() < 1e-5);
+        assert_eq!(radius(vec![room()], Vec3::X * 3.9), 0.3);
+        let usual = radius_in_shadows_m(USUAL_BIAS) as f32;
+        assert_eq!(radius(vec![room(), wall], Vec3::X * 0.45), usual);
+        assert_eq!(radius(vec![hollow], Vec3::ZERO), usual);
+        assert_eq!(radius(vec![hollow_box.clone()], Vec3::ZERO), usual);
+        assert!((radius(vec![hollow_box], Vec3::X * 3.6) - 0.4).abs() < 1e-5);
     }
 
     /// Protects figures behind obstacles: the sphere is smaller there, and its errors are reported. For the listener's
@@ -293,15 +349,49 @@ mod tests {
         let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);
         let mut scene = scene(vec![room(), ball], Vec3::ZERO);
         let of = |scene: &Scene| {
-            let sphere = LateSphere::of(scene.only_pair().unwrap(), 3);
+            let sphere = LateSphere::of(scene.only_pair().unwrap(), 3, None);
             (sphere.radius_m, sphere.errors.map(|e| e.decay_share))
         };
-        assert_eq!(of(&scene), (RADIUS_IN_SHADOWS_M, Some(0.005)));
+        let (radius_m, error) = of(&scene);
+        assert!((radius_m - 0.5).abs() < 1e-3, "{radius_m}");
+        assert!(error.is_some_and(|error| (error - USUAL_BIAS).abs() < 1e-6));
         scene.listeners[0].radius = 0.6;
         assert_eq!(of(&scene), (0.6, None));
         scene.surfaces.truncate(1);
         assert_eq!(of(&scene), (RADIUS_M, Some(0.003)));
-        assert_eq!(LateSphere::of(scene.only_pair().unwrap(), 2).radius_m, 0.6);
+        assert_eq!(
+            LateSphere::of(scene.only_pair().unwrap(), 2, None).radius_m,
+            0.6
+        );
+    }
+
+    /// Protects noise in halls, and figures from more bias than the accuracy allows: the radius grows with the room and
+    /// with the accuracy, and the errors depend on their ratio.
+    #[test]
+    fn the_sphere_grows_with_the_room_and_the_accuracy() {
+        let ball = |size: f32| Surface::new(Sphere { radius: 0.1 * size }).at(Vec3::X * size);
+        let of = |size: f32, accuracy: Option<f64>| {
+            let room = Surface::new(Room {
+                size: size * Vec3::new(4.0, 3.0, 3.0),
+            });
+            let scene = scene(vec![room, ball(size)], Vec3::ZERO);
+            let accuracy = accuracy.map(Accuracy::new);
+            LateSphere::of(scene.only_pair().unwrap(), 3, accuracy.as_ref())
+        };
+        let errors = |sphere: &LateSphere| sphere.errors.map(|errors| errors.decay_share);
+        let [small, large] = [2.0, 8.0].map(|size| of(size, None));
+        assert!(
+            (large.radius_m / small.radius_m - 4.0).abs() < 1e-3,
+            "{small:?} {large:?}"
+        );
+        assert!((errors(&small).unwrap() / errors(&large).unwrap() - 1.0).abs() < 1e-3);
+        // No smaller than in the rooms in which it was tried.
+        assert!((of(0.7, None).radius_m - 0.5).abs() < 1e-3);
+        for share in [0.005, 0.02] {
+            let error = errors(&of(2.0, Some(share))).unwrap();
+            assert!((error - 0.5 * share).abs() < 1e-5, "{error}");
+        }
+        assert_eq!(of(0.7, Some(0.05)).radius_m, RADIUS_M);
     }
 
     fn corner(scattering: f64) -> Scene {

@@ -2,16 +2,25 @@
 
 use super::open_volume;
 use crate::scene::{Listener, Scene};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
-/// Maximum number of detectors of a pass. Each has one or two vectors among the uniforms.
+/// Maximum number of detectors of a pass. Each has one to six vectors among the uniforms.
 pub(crate) const MOST_DETECTORS: usize = 64;
 
 /// Maximum number of detectors if the driver has no more than the 224 uniform vectors that OpenGL ES guarantees.
-const FEW_DETECTORS: usize = 16;
+const FEW_DETECTORS: usize = 8;
 
 /// Number of uniform vectors from which on a pass has [`MOST_DETECTORS`].
 const ENOUGH_VECTORS: u32 = 1024;
+
+/// Maximum number of planes that limit a detector.
+pub(crate) const MOST_LIMITS: usize = 4;
+
+/// Half-spaces n · (x − c) < w about the centre c of a detector, with the unit normal n and the distance w in metres.
+pub(crate) type Limits = [Vec4; MOST_LIMITS];
+
+/// No limits: the planes contain every point.
+pub(crate) const NO_LIMITS: Limits = [Vec4::W; MOST_LIMITS];
 
 /// A sphere in which crossings are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +32,8 @@ pub(crate) struct Detector {
     /// Radius in metres of a sphere about the same centre in which the energy is counted too
     /// ([`Arrival::inner`](crate::response::Arrival)).
     pub inner_radius: Option<f32>,
+    /// Planes in front of which the crossings are counted. They keep the sphere from reaching behind obstacles.
+    pub limits: Limits,
 }
 
 /// The open volumes of a detector's spheres, in m³.
@@ -40,12 +51,13 @@ impl Detector {
             position: listener.position,
             radius: listener.radius,
             inner_radius: None,
+            limits: NO_LIMITS,
         }
     }
 
-    /// The volumes of the spheres outside solids.
+    /// The volumes of the spheres outside solids and in front of the limits.
     pub fn open_volumes(&self, scene: &Scene) -> OpenVolumes {
-        let of = |radius| open_volume(scene, self.position, radius);
+        let of = |radius| open_volume(scene, (self.position, &self.limits), radius);
         OpenVolumes {
             whole: of(self.radius),
             inner: self.inner_radius.map(of),

@@ -29,7 +29,7 @@ mod settings;
 mod targets;
 mod volume;
 
-pub(crate) use detectors::Detector;
+pub(crate) use detectors::{Detector, Limits, MOST_LIMITS, NO_LIMITS};
 pub(super) use detectors::{OpenVolumes, compiled_detectors, most_detectors};
 pub(super) use events::EventTable;
 pub(crate) use passages::{FarEnd, SolidHit, Transmitting};

@@ -333,7 +333,8 @@ impl Block {
             Some(left) => left.map(|left| left * density),
             None => [density; BAND_COUNT],
         };
-        if energy == [0.0; BAND_COUNT] {
+        // Planes may limit a crossing to nothing.
+        if energy == [0.0; BAND_COUNT] || chord == 0.0 {
             return None;
         }
         let reflections = self.iterations + iteration;

@@ -1,8 +1,9 @@
 //! The open volume of a detector's sphere.
 
+use super::detectors::Limits;
 use crate::scene::shape::halton;
 use crate::scene::{Scene, Surface};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
 /// Number of points that estimate the volume if a surface reaches into the sphere.
@@ -20,21 +21,25 @@ const CELLS: usize = 4;
 /// The rounding error of a distance in `f32`, as a share of the largest coordinate: about ten units in the last place.
 const SPARE: f32 = 1e-6;
 
-/// Volume in m³ of the part of a sphere that is outside solids.
-pub fn open_volume(scene: &Scene, centre: Vec3, radius: f32) -> f64 {
+/// Volume in m³ of the part of a sphere that is outside solids and in front of the planes that limit it.
+pub fn open_volume(scene: &Scene, (centre, limits): (Vec3, &Limits), radius: f32) -> f64 {
     let sphere = 4.0 / 3.0 * PI * f64::from(radius).powi(3);
     // The value is at most the distance to a surface, so a surface whose value exceeds the radius does not reach into
     // the sphere.
     let reaches = |surface: &&Surface| surface.distance(centre) < radius;
     let near: Vec<&Surface> = scene.surfaces.iter().filter(reaches).collect();
-    if near.is_empty() {
+    let limits = limits.map(|plane| plane.as_dvec4());
+    let is_limited = limits.iter().any(|plane| plane.w < radius.into());
+    if near.is_empty() && !is_limited {
         return sphere;
     }
     let near = near_cells(&near, centre, radius);
     let is_open = |unit: &DVec3| {
-        let place = (centre.as_dvec3() + f64::from(radius) * *unit).as_vec3();
+        let offset = f64::from(radius) * *unit;
+        let is_in_front = |plane: &DVec4| plane.truncate().dot(offset) < plane.w;
+        let place = (centre.as_dvec3() + offset).as_vec3();
         let mut near = near[cell_of(*unit)].iter();
-        near.all(|surface| surface.distance(place) > 0.0)
+        limits.iter().all(is_in_front) && near.all(|surface| surface.distance(place) > 0.0)
     };
     let open = points_in_ball().filter(is_open).count();
     sphere * open as f64 / POINTS as f64
@@ -78,6 +83,7 @@ fn points_in_ball() -> impl Iterator<Item = DVec3> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::detectors::NO_LIMITS;
     use super::*;
     use crate::scene::shape::{Plane, Sphere};
     use crate::{Listener, Node, Source};
@@ -87,7 +93,7 @@ mod tests {
         let centre = Vec3::new(1.0, 2.0, 3.0);
         let source = Source::at(Vec3::Y * 50.0);
         let scene = Scene::new("volume", surfaces, source, Listener::at(centre, radius));
-        open_volume(&scene, centre, radius)
+        open_volume(&scene, (centre, &NO_LIMITS), radius)
     }
 
     fn floor(below: f32, turn: Quat) -> Surface {

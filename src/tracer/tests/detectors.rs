@@ -3,10 +3,11 @@
 use crate::gl::Context;
 use crate::response::Arrival;
 use crate::scene::Material;
+use crate::scene::shape::Sphere;
 use crate::test_common::{builtin, for_each_api};
-use crate::tracer::{ArrivalSettings, Detector, WavesToFollow};
-use crate::{Scene, Settings, Tracer};
-use glam::Vec3;
+use crate::tracer::{ArrivalSettings, Detector, NO_LIMITS, WavesToFollow};
+use crate::{Scene, Settings, Surface, Tracer};
+use glam::{Vec3, Vec4};
 
 /// The steps of a recorded chord, as a share of the unit of chords, with 16 detectors: numbers up to 1024 in a float.
 const CHORD_STEP: f64 = 1.0 / 16_384.0;
@@ -29,6 +30,7 @@ fn detectors(scene: &Scene, count: usize) -> Vec<Detector> {
         position: listener.position - Vec3::new(0.11, 0.02, 0.07) * index as f32,
         radius: RADII[index % RADII.len()],
         inner_radius: (index % 2 == 1).then_some(0.2),
+        limits: NO_LIMITS,
     };
     (0..count).map(detector).collect()
 }
@@ -99,4 +101,61 @@ fn share_their_waves(context: &Context) {
 #[test]
 fn detectors_share_their_waves() {
     for_each_api(share_their_waves);
+}
+
+fn split_by_a_plane(context: &Context) {
+    let mut scene = scene();
+    // Only scenes with obstacles have limits.
+    let ball = Surface::new(Sphere { radius: 0.1 }).at(Vec3::new(1.0, -1.0, 1.0));
+    scene.surfaces.push(ball);
+    let whole = Detector {
+        inner_radius: Some(0.4),
+        ..detectors(&scene, 2)[1]
+    };
+    let normal = Vec3::new(2.0, 1.0, -2.0) / 3.0;
+    let split = |normal: Vec3, distance: f32| Detector {
+        limits: [normal.extend(distance), Vec4::W, Vec4::W, Vec4::W],
+        ..whole
+    };
+    let parts = [split(normal, 0.1), split(-normal, -0.1)];
+    let mut tracer = Tracer::new(context).unwrap();
+    let detectors = [
+        whole,
+        parts[0],
+        parts[1],
+        split(normal, 10.0),
+        split(normal, -10.0),
+    ];
+    for together in [true, false] {
+        // The energy of a detector times its volume is a sum over metres of chords.
+        let sums = |detector: usize| {
+            let all = match together {
+                true => traced(&mut tracer, &scene, &detectors),
+                false => traced(&mut tracer, &scene, &detectors[detector..=detector]),
+            };
+            let number = if together { detector as u32 } else { 0 };
+            let volumes = detectors[detector].open_volumes(&scene);
+            let own = all.iter().filter(|arrival| arrival.detector == number);
+            own.fold([0.0; 2], |[whole, inner], arrival| {
+                let chords = arrival.energy[4] * volumes.whole;
+                let ratio = volumes.inner.map_or(0.0, |inner| inner / volumes.whole);
+                [whole + chords, inner + chords * arrival.inner * ratio]
+            })
+        };
+        let [all, one, other, far, none] = [0, 1, 2, 3, 4].map(sums);
+        for part in 0..2 {
+            let error = (one[part] + other[part]) / all[part] - 1.0;
+            assert!(error.abs() < 2e-3, "{part}: {error}");
+            assert!(one[part] > 1.1 * other[part] && other[part] > 0.2 * all[part]);
+            assert!((far[part] / all[part] - 1.0).abs() < 1e-3);
+            assert_eq!(none[part], 0.0);
+        }
+    }
+}
+
+/// Protects the planes that limit a detector: the parts of a sphere on both sides of a plane have together the crossings
+/// of the whole, also of the inner sphere; a plane beyond the sphere changes nothing, and one before it leaves nothing.
+#[test]
+fn planes_split_a_detector() {
+    for_each_api(split_by_a_plane);
 }
