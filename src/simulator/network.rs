@@ -384,6 +384,26 @@ mod tests {
         20.0 * sum.norm().log10()
     }
 
+    /// The decay time in seconds of energies in windows: from a line through the levels of −5 to −35 dB of their
+    /// backward sums.
+    fn decay_s(energies: &[f64], window_s: f64) -> f64 {
+        let mut sums = energies.to_vec();
+        for index in (0..sums.len() - 1).rev() {
+            sums[index] += sums[index + 1];
+        }
+        let level =
+            |(index, sum): (usize, &f64)| (index as f64 * window_s, 10.0 * (sum / sums[0]).log10());
+        let levels = sums.iter().enumerate().map(level);
+        let levels: Vec<(f64, f64)> = levels
+            .filter(|(_, level)| (-35.0..=-5.0).contains(level))
+            .collect();
+        let count = levels.len() as f64;
+        let mean_s = levels.iter().map(|(seconds, _)| seconds).sum::<f64>() / count;
+        let moments = levels.iter().map(|(s, level)| (s - mean_s) * level);
+        let squares = levels.iter().map(|(s, _)| (s - mean_s).powi(2));
+        -60.0 * squares.sum::<f64>() / moments.sum::<f64>()
+    }
+
     /// Decay times that are even, fall, and have a maximum.
     const DECAYS: [Bands; 3] = [
         [1.0; BAND_COUNT],

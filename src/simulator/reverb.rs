@@ -497,3 +497,62 @@ fn errors(found: &Estimate, parts: &[Estimate], others: &[Estimate]) -> (f64, f6
     };
     (of(|one| one.decay_s), of(|one| one.total))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// The reverberation of a record of `ends_s` seconds whose energy by band falls like `energy(seconds)`.
+    fn of_record(ends_s: f64, energy: impl Fn(f64) -> f64) -> Reverb {
+        let mut echogram = Echogram::new(1e-3, BATCHES).expect("good numbers");
+        let mut bin = 0;
+        while (bin as f64) < ends_s * 1e3 {
+            let at_s = (bin as f64 + 0.5) * 1e-3;
+            let share = energy(at_s) / BATCHES as f64;
+            for batch in 0..BATCHES {
+                let added = echogram.add(batch, at_s, &[share; BAND_COUNT], DVec3::ZERO);
+                added.expect("a good energy");
+            }
+            bin += 1;
+        }
+        let mut record = DecayRecord::default();
+        let trace = Trace {
+            echogram: &echogram,
+            waves: 1000,
+            ends_s,
+            short_s: ends_s,
+            direct_s: 0.0,
+        };
+        record.add(&trace, 0.0);
+        record.reverb(&[], &[0.0; BAND_COUNT], &[0.0; BAND_COUNT], 0.0)
+    }
+
+    /// Protects decay times and levels of even decays, to 1 % and 0.1 dB, within the record and far beyond it, and the
+    /// flag that tells both apart. The truth is the integral of the decay.
+    #[test]
+    fn an_even_decay_is_continued() {
+        for (decay_s, ends_s, is_beyond) in [(0.5, 0.8, false), (1.2, 0.8, false), (3.0, 0.8, true)]
+        {
+            let rate = 6.0 * 10_f64.ln() / decay_s;
+            let found = of_record(ends_s, |seconds| (-rate * seconds).exp());
+            assert!((found.decay_s[3] / decay_s - 1.0).abs() < 0.01, "{found:?}");
+            assert_eq!(found.is_extrapolated[3], is_beyond, "{decay_s}");
+            let level_db = 20.0 * (found.gain[3] / amplitude(1e3 / rate)).log10();
+            assert!(level_db.abs() < 0.1, "{decay_s}: {level_db} dB");
+        }
+    }
+
+    /// Protects games from false confidence: a decay that becomes slower after the record's end is off by at most twice
+    /// the stated error, and a record without any decay states that nothing is known.
+    #[test]
+    fn errors_contain_what_was_not_traced() {
+        let two = |seconds: f64| (-6.9 * seconds).exp() + 0.03 * (-4.6 * seconds).exp();
+        let [short, long] = [0.8, 6.0].map(|ends_s| of_record(ends_s, two));
+        let off_s = (short.decay_s[0] - long.decay_s[0]).abs();
+        assert!(short.is_extrapolated[0] && off_s < 2.0 * short.decay_error_s[0]);
+        let even = of_record(0.8, |_| 1.0);
+        assert!(even.decay_s[0] == LONGEST_S && even.decay_error_s[0] >= 0.5 * LONGEST_S);
+        assert!(even.gain_error_db[0] > 1.0);
+    }
+}

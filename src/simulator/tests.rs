@@ -162,6 +162,56 @@ fn a_field_is_refused_and_the_rest_goes_on() {
     });
 }
 
+/// Protects what games play: in a room whose decay fits the trace, decay times are within 10 % and the level within 1 dB
+/// of a response of many waves, and their errors hold.
+#[test]
+fn reverberation_is_that_of_many_waves() {
+    let scene = shoebox(0.3);
+    let context = crate::gl::Context::headless(&Default::default()).unwrap();
+    let mut tracer = crate::Tracer::new(&context).unwrap();
+    let trace = crate::Settings::hybrid().with_waves(32_768).with_seed(99);
+    let settings = crate::response::ResponseSettings::default().with_trace(trace);
+    let settings = settings.with_order(3);
+    let reference = crate::response::Response::trace(&mut tracer, &scene, &settings).unwrap();
+    let mut simulator = Simulator::new(SimulatorSettings::default()).unwrap();
+    let ids = simulator.add_scene(&scene).unwrap();
+    let commit = simulator.commit();
+    let reverb = heard(&simulator, ids.sources[0], commit, 4).reverb;
+    let direct = reference.direct().expect("the source is in sight").energy;
+    for band in 0..8 {
+        let t30_s = reference.figures.bands[band].t30_s.expect("a decay");
+        let off_s = (reverb.decay_s[band] - t30_s).abs();
+        assert!(off_s < 0.1 * t30_s && off_s < 3.0 * reverb.decay_error_s[band]);
+        let wet = reference.energy()[band] - direct[band];
+        let found = reverb.gain[band].powi(2) / (4.0 * std::f64::consts::PI);
+        let off_db = 10.0 * (found / wet).log10().abs();
+        assert!(off_db < 1.0 && off_db < 3.0 * reverb.gain_error_db[band]);
+    }
+}
+
+/// Protects the ways around obstacles: a source behind a screen in the open is heard more weakly and from the edge, and
+/// is found although diffraction has a share of the time only.
+#[test]
+fn a_hidden_source_is_heard_around_the_edge() {
+    let mut simulator = simulator();
+    let size = Vec3::new(20.0, 4.0, 0.2);
+    simulator
+        .add_surface(Surface::new(Cuboid { size }))
+        .unwrap();
+    let id = simulator.add_source(Source::at([0.0, 1.5, -3.0])).unwrap();
+    simulator.place_listener(Pose::at([0.0, 1.5, 3.0])).unwrap();
+    simulator.commit();
+    let mut found = None;
+    wait_until("a way around", || {
+        found = simulator.updates(id);
+        (found.as_ref()).is_some_and(|found| found.direct.visibility > 0.0)
+    });
+    let direct = found.expect("an update").direct;
+    assert!(!direct.is_in_sight && direct.visibility < 0.5);
+    assert!(direct.gain[0] > direct.gain[7], "low sound bends more");
+    assert!(direct.from.y > 0.1, "{}", direct.from);
+}
+
 /// Protects callers from stale ids and impossible numbers: each is an error that names it, and changes nothing.
 #[test]
 fn bad_calls_are_refused() {
