@@ -222,8 +222,10 @@ fn run(count: usize, seconds: f64, spawns: bool) -> Result<(), Error> {
         false => format!("{count} sources"),
     };
     let rate = (after - before) as f64 / took;
+    let echoes = ids.iter().filter_map(|id| simulator.updates(*id));
+    let echoes: usize = echoes.map(|heard| heard.echoes.len()).sum();
     println!(
-        "{what}: {pictures} pictures, {compiling} of them while compiling, {rate:.1} traces a second"
+        "{what}, {echoes} echoes: {pictures} pictures, {compiling} of them while compiling, {rate:.1} traces a second"
     );
     for (name, times) in [
         ("edits", &mut edits),

@@ -47,8 +47,8 @@ fn scenes() -> Result<Vec<(String, Scene)>, Error> {
 /// Time without a further trace after which a source that does not move is known well enough.
 const REST: Duration = Duration::from_secs(2);
 
-/// The update of the first source after its first trace, or after all of them.
-fn heard(scene: &Scene, longest_s: f64, all: bool) -> Result<Arc<Update>, Error> {
+/// The update of the first source after all of its traces.
+fn heard(scene: &Scene, longest_s: f64) -> Result<Arc<Update>, Error> {
     let settings = SimulatorSettings::default()
         .with_milliseconds(1000.0)
         .with_seconds(0.8, longest_s);
@@ -61,7 +61,7 @@ fn heard(scene: &Scene, longest_s: f64, all: bool) -> Result<Arc<Update>, Error>
             if heard.traces > traces {
                 (traces, since) = (heard.traces, Instant::now());
             }
-            if traces > 0 && (!all || since.elapsed() > REST) {
+            if traces > 0 && since.elapsed() > REST {
                 return Ok(heard);
             }
         }
@@ -84,11 +84,11 @@ fn main() -> Result<(), Error> {
         let reference = Response::trace(&mut tracer, &scene, &settings)?;
         let direct = reference.direct().map_or([0.0; 8], |path| path.energy);
         println!("{name}: record of {:.2} s", reference.seconds);
-        for (what, longest_s, all) in [
-            ("one trace of 0.8 s", 0.8, false),
-            ("all traces at rest, some of 3 s", 3.0, true),
+        for (what, longest_s) in [
+            ("traces of 0.8 s", 0.8),
+            ("the same, and longer ones of 3 s", 3.0),
         ] {
-            let reverb = heard(&scene, longest_s, all)?;
+            let reverb = heard(&scene, longest_s)?;
             println!("  {what}: {} traces", reverb.traces);
             let reverb = reverb.reverb;
             let (mut worst, mut worst_db, mut held, mut held_db, mut count) =

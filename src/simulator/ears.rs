@@ -231,7 +231,7 @@ impl Ears {
     /// before the source's first trace. Allocates and frees nothing.
     ///
     /// # Errors
-    /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then nothing is played.
+    /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then no sample is played.
     pub fn process(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), ResponseError> {
         if stereo.len() != 2 * mono.len() {
             let (mono, stereo) = (mono.len(), stereo.len());

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What the engine shares with the other threads.
+/// The state that the engine shares with the other threads.
 pub(super) type Shared = SharedBy<Engine>;
 
 /// The share of a round for ways around and through obstacles. One of them takes milliseconds, whatever the scene.
@@ -54,7 +54,7 @@ pub(super) struct Engine {
     /// The commit whose direct ways are known.
     direct_of: Option<u64>,
     next_round: Option<Instant>,
-    /// What was published last.
+    /// The last published results.
     published: Arc<Published>,
     subscribers: Vec<Subscriber>,
 }
@@ -81,12 +81,12 @@ impl Engine {
         }
     }
 
-    /// The time of the next round; `None` if nothing is to be done before another commit.
+    /// The time of the next round; `None` if no work is left before another commit.
     pub fn next_round(&self) -> Option<Instant> {
         self.next_round
     }
 
-    /// Tells new ears what is heard.
+    /// Adds ears, and sends them the present state.
     pub fn subscribe(&mut self, subscribers: Vec<Subscriber>) {
         if !subscribers.is_empty() {
             self.subscribers.extend(subscribers);
@@ -94,7 +94,7 @@ impl Engine {
         }
     }
 
-    /// Tells all ears what is heard.
+    /// Sends the present state to all ears.
     fn tell(&mut self) {
         let Some(hall) = &self.hall else {
             return;

@@ -1,4 +1,4 @@
-//! What a worker knows of one source.
+//! The state of one source in a worker.
 
 use super::hall::{Hall, MOTION_BITS};
 use super::reverb::{DecayRecord, Reverb, Trace};
@@ -37,7 +37,7 @@ const FORGETS_S: f64 = 1.0;
 /// Priority of a source that has not moved, relative to one that has.
 const REST_PRIORITY: f64 = 0.1;
 
-/// Where a source, the listener and the surfaces are.
+/// The place of a source, the listener and the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Place {
     source: Pose,
@@ -48,7 +48,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Where the source with this index is.
+    /// The place of the source with this index.
     pub fn of(hall: &Hall, index: usize) -> Place {
         let (_, placed) = &hall.sources[index];
         Place {
@@ -71,7 +71,7 @@ impl Place {
     }
 }
 
-/// What is known of a source.
+/// The state of a source.
 #[derive(Debug, Default)]
 pub(super) struct Heard {
     /// The direct way, and the delay of the direct sound in the open.
@@ -81,7 +81,7 @@ pub(super) struct Heard {
     surroundings: Surroundings,
     record: DecayRecord,
     reverb: Reverb,
-    /// Where and when the source was traced last.
+    /// Place and time of the last trace.
     traced: Option<(Place, Instant)>,
     traces: u64,
     /// Number of traces at the same place.
@@ -137,7 +137,7 @@ impl Heard {
         self.find_direct(ways, pair);
     }
 
-    /// The urgency of a trace: 0 if none is needed.
+    /// The urgency of a trace: 0 if it needs no trace.
     pub fn urgency(&self, place: &Place, priority: f32, settings: &SimulatorSettings) -> f64 {
         let priority = f64::from(priority);
         let Some((at, when)) = &self.traced else {
@@ -231,7 +231,7 @@ impl Heard {
         Ok(())
     }
 
-    /// What is published; `None` before the direct way is known.
+    /// The published state; `None` before the direct way is known.
     pub fn update(&self, commit: u64) -> Option<Update> {
         let (direct, _) = self.direct?;
         let mut update = self.surroundings.update(direct, self.reverb);

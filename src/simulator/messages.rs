@@ -1,4 +1,4 @@
-//! What the tracing worker tells the ears: taps of each source, and the decay of the network.
+//! Messages from the tracing worker to the ears: taps of each source, and the decay of the network.
 
 use super::head::Head;
 use super::network::{self, Absorption};
@@ -43,7 +43,7 @@ pub(super) struct Message {
     pub absorption: Option<Box<Absorption>>,
 }
 
-/// What was told of a source.
+/// The last message about a source.
 struct Told {
     traces: u64,
     /// The gains of its echoes.
@@ -96,7 +96,7 @@ impl Subscriber {
         !self.inbox.is_abandoned()
     }
 
-    /// Tells what has changed.
+    /// Sends the changes.
     pub fn tell(&mut self, listener: &Pose, published: &Published) {
         while self.outbox.pop().is_ok() {
             self.under_way -= 1;

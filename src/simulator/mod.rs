@@ -170,7 +170,7 @@ impl Simulator {
     ///
     /// # Errors
     /// The errors of [`Scene::validate`], also if a surface of the world has a material that the scene lacks; then
-    /// nothing has changed.
+    /// the world is unchanged.
     pub fn set_medium(&mut self, of: &Scene) -> Result<(), Error> {
         self.world.set_medium(of)
     }
@@ -179,7 +179,7 @@ impl Simulator {
     /// [`turning`](Surface::turning), so that its first turn compiles nothing.
     ///
     /// # Errors
-    /// The errors of [`Scene::validate`]; then nothing has changed.
+    /// The errors of [`Scene::validate`]; then the world is unchanged.
     pub fn add_surface(&mut self, surface: Surface) -> Result<SurfaceId, Error> {
         self.world.add_surface(surface)
     }
@@ -187,7 +187,7 @@ impl Simulator {
     /// Replaces shape and materials of a surface. Its pose stays. Other numbers of the same shape compile nothing.
     ///
     /// # Errors
-    /// [`SimulatorError::NoSurface`] and the errors of [`Scene::validate`]; then nothing has changed.
+    /// [`SimulatorError::NoSurface`] and the errors of [`Scene::validate`]; then the world is unchanged.
     pub fn set_surface(&mut self, id: SurfaceId, surface: Surface) -> Result<(), Error> {
         self.world.set_surface(id, surface)
     }
@@ -195,7 +195,7 @@ impl Simulator {
     /// Moves and turns a surface.
     ///
     /// # Errors
-    /// [`SimulatorError::NoSurface`] and [`SimulatorError::BadPose`]; then nothing has changed.
+    /// [`SimulatorError::NoSurface`] and [`SimulatorError::BadPose`]; then the world is unchanged.
     pub fn place_surface(&mut self, id: SurfaceId, pose: Pose) -> Result<(), SimulatorError> {
         let pose = SimulatorError::unless_possible(pose, "surface")?;
         let placed = self.world.surface(id)?;
@@ -229,7 +229,7 @@ impl Simulator {
     /// used.
     ///
     /// # Errors
-    /// The errors of [`Scene::validate`], and more than 256 sources; then nothing has changed.
+    /// The errors of [`Scene::validate`], and more than 256 sources; then the world is unchanged.
     pub fn add_source(&mut self, source: Source) -> Result<SourceId, Error> {
         self.world.add_source(source)
     }
@@ -237,7 +237,7 @@ impl Simulator {
     /// Moves and turns a source, also about its axis.
     ///
     /// # Errors
-    /// [`SimulatorError::NoSource`] and [`SimulatorError::BadPose`]; then nothing has changed.
+    /// [`SimulatorError::NoSource`] and [`SimulatorError::BadPose`]; then the world is unchanged.
     pub fn place_source(&mut self, id: SourceId, pose: Pose) -> Result<(), SimulatorError> {
         let pose = SimulatorError::unless_possible(pose, "source")?;
         self.world.source(id)?.pose = pose;
@@ -272,7 +272,7 @@ impl Simulator {
     /// Sets the level of a source in decibels, −120 to 120.
     ///
     /// # Errors
-    /// [`SimulatorError::NoSource`] and [`SimulatorError::BadNumber`]; then nothing has changed.
+    /// [`SimulatorError::NoSource`] and [`SimulatorError::BadNumber`]; then the world is unchanged.
     pub fn set_level(&mut self, id: SourceId, level_db: f32) -> Result<(), SimulatorError> {
         if !(-120.0..=120.0).contains(&level_db) {
             return Err(SimulatorError::BadNumber {
@@ -296,7 +296,7 @@ impl Simulator {
     /// Places the listener. The radius of its sphere stays: 0.3 m at first.
     ///
     /// # Errors
-    /// [`SimulatorError::BadPose`]; then nothing has changed.
+    /// [`SimulatorError::BadPose`]; then the world is unchanged.
     pub fn place_listener(&mut self, pose: Pose) -> Result<(), SimulatorError> {
         self.world.set_listener(pose, None)
     }
@@ -344,7 +344,7 @@ impl Simulator {
         Ok(mix)
     }
 
-    /// What the workers are doing.
+    /// The state of the workers.
     pub fn state(&self) -> SimulatorState {
         self.shared.state()
     }

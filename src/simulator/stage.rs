@@ -1,4 +1,4 @@
-//! What the caller and both workers share: the last snapshot, the last results, and whose turn it is.
+//! The state shared by the caller and both workers: the last snapshot, the last results, and the roles.
 //!
 //! Every lock is held for a swap or a look-up only. Whatever is built or freed, is built before and freed after.
 
@@ -11,11 +11,11 @@ use crate::error::Error;
 use crate::platform::Instant;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// What a simulator is doing.
+/// The state of a simulator's workers.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub enum SimulatorState {
-    /// Updates are of the last commit's surfaces, or nothing was committed yet.
+    /// Updates are of the last commit's surfaces, or there was no commit yet.
     #[default]
     Ready,
     /// Programs for the last commit's surfaces are compiled. Until they are ready, updates are of the surfaces before.
@@ -63,14 +63,14 @@ pub(super) struct Shared<E> {
     compiled: Mutex<Vec<u64>>,
 }
 
-/// What a worker does next.
+/// The next work of a worker.
 pub(super) enum Task<E> {
     Trace(Box<E>),
     Compile(Job),
     Stop,
 }
 
-/// What the tracing worker received.
+/// The arrivals for the tracing worker.
 #[derive(Default)]
 pub(super) struct News {
     pub snapshot: Option<Box<Snapshot>>,
@@ -120,7 +120,7 @@ impl<E> Shared<E> {
         drop(before);
     }
 
-    /// Tells the ears what is heard from now on.
+    /// Adds ears, which receive the results from now on.
     pub fn subscribe(&self, subscriber: Subscriber) {
         locked(&self.stage).subscribers.push(subscriber);
         self.wake.notify_all();

@@ -41,7 +41,7 @@ pub(super) const EARS: usize = 2;
 /// Steps of the fit of four gains to eight.
 const STEPS: usize = 6;
 
-/// Where a tap leads.
+/// The destination of a tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// To the ears, read between four samples.
@@ -166,7 +166,7 @@ impl Voice {
         }
     }
 
-    /// Whether nothing is heard of the voice.
+    /// Whether the voice is silent.
     pub fn is_silent(&self) -> bool {
         self.taps.is_empty()
     }

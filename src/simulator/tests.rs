@@ -32,7 +32,7 @@ fn simulator() -> Simulator {
     Simulator::new(settings).expect("a renderer")
 }
 
-/// What is heard of a source after `traces` traces of the last commit.
+/// The update of a source after `traces` traces of the last commit.
 fn heard(simulator: &Simulator, id: SourceId, commit: u64, traces: u64) -> Arc<Update> {
     let mut found = None;
     wait_until("an update", || {
@@ -136,7 +136,7 @@ fn the_last_programs_serve_until_the_new_ones_are_ready() {
     });
 }
 
-/// Protects users from fields that can end the process: they are refused by default, the error is told, and the
+/// Protects users from fields that can end the process: they are refused by default, the error is reported, and the
 /// surfaces before stay audible.
 #[test]
 fn a_field_is_refused_and_the_rest_goes_on() {
@@ -178,11 +178,11 @@ fn reverberation_is_that_of_many_waves() {
     let commit = simulator.commit();
     let reverb = heard(&simulator, ids.sources[0], commit, 4).reverb;
     let direct = reference.direct().expect("the source is in sight").energy;
-    for band in 0..8 {
+    for (band, direct) in direct.into_iter().enumerate() {
         let t30_s = reference.figures.bands[band].t30_s.expect("a decay");
         let off_s = (reverb.decay_s[band] - t30_s).abs();
         assert!(off_s < 0.1 * t30_s && off_s < 3.0 * reverb.decay_error_s[band]);
-        let wet = reference.energy()[band] - direct[band];
+        let wet = reference.energy()[band] - direct;
         let found = reverb.gain[band].powi(2) / (4.0 * std::f64::consts::PI);
         let off_db = 10.0 * (found / wet).log10().abs();
         assert!(off_db < 1.0 && off_db < 3.0 * reverb.gain_error_db[band]);

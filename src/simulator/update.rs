@@ -1,4 +1,4 @@
-//! What was heard of a source: the direct way, echoes, reverberation.
+//! The results of a source: the direct way, echoes, reverberation.
 
 use super::SourceId;
 use super::hall::Hall;
@@ -19,7 +19,7 @@ pub struct DirectWay {
     /// The share of the energy that arrives, of that in the open: 1 in sight, 0 if nothing bends or passes. The mean of
     /// the bands.
     pub visibility: f64,
-    /// Whether nothing is in between.
+    /// Whether the line from source to listener is free.
     pub is_in_sight: bool,
     /// Seconds from the source to the listener.
     pub delay_s: f64,
@@ -41,7 +41,7 @@ pub struct EarlyEcho {
     pub from: Vec3,
 }
 
-/// What was heard of a source last.
+/// The last results of a source.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Update {
@@ -61,7 +61,7 @@ pub struct Update {
     pub commit: u64,
     /// Number of waves of the last trace; 0 before the first.
     pub waves: u32,
-    /// Number of traces of this source so far.
+    /// Number of traces of this source.
     pub traces: u64,
 }
 
@@ -115,7 +115,7 @@ pub(super) struct Surroundings {
     pub echoes: Vec<EarlyEcho>,
     /// All exact reflections.
     taps: Vec<Tap>,
-    /// Those that are not among the echoes.
+    /// The energy of those that are not among the echoes.
     rest: Bands,
     /// Unit vector towards the mean of all sound.
     mean: Option<Vec3>,

@@ -103,7 +103,7 @@ impl World {
     /// Sets materials, scattering and air to those of a scene, without its objects.
     ///
     /// # Errors
-    /// The errors of [`Scene::validate`]; then nothing has changed.
+    /// The errors of [`Scene::validate`]; then the world is unchanged.
     pub fn set_medium(&mut self, of: &Scene) -> Result<(), Error> {
         let mut bench = self.bench.clone();
         bench.materials.clone_from(&of.materials);
@@ -128,7 +128,7 @@ impl World {
     }
 
     /// # Errors
-    /// The errors of [`Scene::validate`] for this surface; then nothing has changed.
+    /// The errors of [`Scene::validate`] for this surface; then the world is unchanged.
     pub fn add_surface(&mut self, surface: Surface) -> Result<SurfaceId, Error> {
         let surface = self.checked_surface(surface)?;
         let pose = Pose {
@@ -147,7 +147,7 @@ impl World {
     /// Replaces the shape and the materials of a surface. Its pose stays.
     ///
     /// # Errors
-    /// [`SimulatorError::NoSurface`] and the errors of [`World::add_surface`]; then nothing has changed.
+    /// [`SimulatorError::NoSurface`] and the errors of [`World::add_surface`]; then the world is unchanged.
     pub fn set_surface(&mut self, id: SurfaceId, surface: Surface) -> Result<(), Error> {
         self.surface(id)?;
         let surface = self.checked_surface(surface)?;
@@ -176,7 +176,7 @@ impl World {
     }
 
     /// # Errors
-    /// The errors of [`Scene::validate`] for this source, and more than 256 sources; then nothing has changed.
+    /// The errors of [`Scene::validate`] for this source, and more than 256 sources; then the world is unchanged.
     pub fn add_source(&mut self, mut source: Source) -> Result<SourceId, Error> {
         if self.sources.count() >= MOST_SOURCES {
             return Err(SimulatorError::BadNumber {

@@ -57,7 +57,7 @@ fn loudest(stereo: &[f32]) -> f32 {
 
 /// Protects the audio callback and the level: a source in the open 2 m ahead is silent before it is traced, fades in
 /// without a click, then has half of its amplitude in the middle; turning the head moves it to the left ear; a removed
-/// source fades out. Nothing is allocated or freed.
+/// source fades out. The callback allocates and frees no memory.
 #[test]
 fn a_source_fades_in_turns_and_fades_out() {
     let mut simulator = simulator();
