@@ -8,7 +8,7 @@
 //!
 //! # Deviations
 //! [`Auralisation`](crate::auralisation::Auralisation) has eight bands with exact levels and reads with sixteen
-//! weights, and takes thirty times as long. Here, echoes are read between two samples (−1.2 dB at 8 kHz in the worst
+//! weights. Here, echoes are read between two samples (−1.2 dB at 8 kHz in the worst
 //! case, at 48 kHz), direct ways between four. The bands overlap, so that levels are fitted: they are within 1.5 dB of
 //! the eight gains for walls and air.
 
