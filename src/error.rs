@@ -14,6 +14,8 @@ use crate::hrtf::HrirError;
 use crate::hrtf::SofaError;
 use crate::response::ResponseError;
 use crate::scene::SceneError;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::simulator::SimulatorError;
 use crate::tracer::TraceError;
 
 /// Any error of the crate, with one variant for each module.
@@ -35,6 +37,10 @@ pub enum Error {
     /// Echograms or impulse responses that cannot be computed.
     #[error(transparent)]
     Acoustics(#[from] ResponseError),
+    /// A call of a simulator that cannot be carried out.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[error(transparent)]
+    Simulator(#[from] SimulatorError),
     /// An unknown name of a profile, or of a kind of start directions.
     #[error("{message}")]
     UnknownName {
@@ -79,6 +85,8 @@ impl Error {
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
             Error::Acoustics(_) | Error::UnknownName { .. } => true,
+            #[cfg(not(target_arch = "wasm32"))]
+            Error::Simulator(error) => !matches!(error, SimulatorError::NoThread { .. }),
             #[cfg(feature = "audio")]
             Error::Live(error) => error.is_bad_input(),
             #[cfg(feature = "sofa")]

@@ -7,7 +7,15 @@ macro_rules! open {
     };
 }
 
-open!(file_input, file_output, platform, ron_error, sampling, text);
+open!(
+    file_input,
+    file_output,
+    platform,
+    ron_error,
+    sampling,
+    text,
+    wave_budget
+);
 
 pub mod plain_file {
     pub use crate::file_input::{count_names as names, open_plain as open};

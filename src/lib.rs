@@ -37,6 +37,7 @@
 //! | [`hrtf`] | head-related impulse responses |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`auralisation`] | the sound of a source as a listener hears it |
+//! | `simulator` | for games: a world of sources and surfaces, traced on a thread of its own (not in browsers) |
 //! | [`offline`] | sound of a moving scene, without a sound card |
 //! | [`gl`] | contexts without a window, and the available renderers |
 //! | [`geometry`] | reference tracing of waves in `f64` on the CPU |
@@ -95,9 +96,12 @@ mod sampling;
 pub mod scene;
 mod serialised;
 mod shader;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod simulator;
 mod sphere_cells;
 mod text;
 pub mod tracer;
+mod wave_budget;
 
 /// Code shared with the integration tests refers to the crate by its name.
 #[cfg(test)]
@@ -117,6 +121,9 @@ const _: () = {
     may_move::<audio::live::SoundSource>();
     may_move::<audio::Mixer>();
     may_move::<audio::WavWriter>();
+    const fn may_be_shared<T: Send + Sync>() {}
+    #[cfg(not(target_arch = "wasm32"))]
+    may_be_shared::<simulator::Simulator>();
 };
 
 pub use error::Error;

@@ -7,7 +7,7 @@ use super::{CHANNELS, Heard};
 
 /// Maximum rate of change of a delay (a source that moves at a fifth of the speed of sound, 250 km/h). If a delay
 /// changes faster, the echo fades out at the old delay and in at the new one.
-const MOST_DOPPLER: f64 = 0.2;
+pub(crate) const MOST_DOPPLER: f64 = 0.2;
 
 /// Maximum number of simultaneous echoes: current echoes and echoes that fade out.
 const VOICES: usize = 2 * Heard::MOST_ECHOES;

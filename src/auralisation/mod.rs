@@ -62,6 +62,8 @@ use crate::tracer::Profile;
 use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
 use delay_line::REACH;
 use echoes::Echoes;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use echoes::MOST_DOPPLER;
 
 /// Left and right.
 const CHANNELS: usize = 2;

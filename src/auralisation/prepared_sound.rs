@@ -112,7 +112,7 @@ impl Heard {
         check_taps(&taps)?;
         let mut echoes: Vec<Echo> = Vec::new();
         for path in strongest(paths, spec) {
-            let mut key = key(path);
+            let mut key = path.key(u64::from);
             // Another path over the same surfaces already has this key.
             while echoes.iter().any(|echo| echo.key == key) {
                 key = hash(key);
@@ -178,15 +178,6 @@ fn strongest(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath
 fn faint(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
     let (near, far) = by_energy(paths, spec);
     near.into_iter().skip(Heard::MOST_ECHOES).chain(far)
-}
-
-/// A hash of the surfaces and walls on a path.
-fn key(path: &HeardPath) -> u64 {
-    let mirrors = path.path.surfaces.iter().zip(&path.path.walls);
-    mirrors.fold(0, |key, (surface, wall)| {
-        let wall = wall.map_or(0, |wall| u64::from(wall) + 1);
-        hash(key ^ hash(u64::from(*surface) << 8 | wall))
-    })
 }
 
 /// A [`Heard`] as plain numbers, for a player that shares no memory with the tracing thread.

@@ -92,6 +92,23 @@ pub(super) fn response(
     // If waves were given up, only the remaining waves contribute to the later decay.
     let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
     let ends_s = followed_s.unwrap_or(seconds);
+    if settings.omits_figures {
+        return Ok(Some(Response {
+            missed: part.missed(),
+            left_out: part.left_out().count() as u64,
+            left_out_share: left_out_share(&part, medium, &paths, &echogram),
+            search_left_out_share: part.search_left_out_share(),
+            paths,
+            echogram,
+            figures: Figures::omitted(),
+            seconds,
+            followed_s,
+            counts,
+            waves: settings.late_trace().waves,
+            milliseconds: 0.0,
+            diffraction_milliseconds,
+        }));
+    }
     let taps = taps(&paths);
     let record = Record::new(&taps, &echogram, ends_s);
     let direct_s = direct(&paths).map(|path| path.delay_s);

@@ -109,6 +109,51 @@ impl Hidden {
     }
 }
 
+/// The direct ways of the sources of a scene in its current state: straight, or around and through what is in between.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) struct DirectWays {
+    early: EarlyPaths,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl DirectWays {
+    /// # Errors
+    /// The errors of [`Scene::validate`].
+    pub fn new(pair: Pair) -> Result<DirectWays, Error> {
+        Ok(DirectWays {
+            early: EarlyPaths::new(pair)?,
+        })
+    }
+
+    /// The straight path of a pair, as if nothing were in between; `None` if both ends coincide.
+    pub fn in_the_open(pair: Pair) -> Option<HeardPath> {
+        let ends = [pair.source.position, pair.listener.position].map(|end| end.as_dvec3());
+        let straight = Path::straight(PathKind::Direct, (ends[0], ends[1]))?;
+        Some(straight.heard(pair, &Medium::of(pair)))
+    }
+
+    /// Whether nothing lies between source and listener.
+    pub fn is_in_sight(&self, pair: Pair) -> bool {
+        let ends = self.early.ends(pair);
+        let (a, b) = (ends.source, ends.listener);
+        self.early.is_open(a) && self.early.is_open(b) && self.early.exact().is_in_sight(a, b)
+    }
+
+    /// The paths around and through what hides the source, as chosen.
+    pub fn around_and_through(&self, pair: Pair, settings: &ResponseSettings) -> Vec<HeardPath> {
+        let medium = Medium::of(pair);
+        let obstacles = Obstacles::of(pair, &medium, &self.early);
+        let mut paths = match settings.diffracts() {
+            true => obstacles.paths_around(),
+            false => Vec::new(),
+        };
+        if settings.transmits() {
+            paths.extend(obstacles.path_through(&paths));
+        }
+        paths
+    }
+}
+
 /// The effect of diffraction on the direct sound of a pair: the paths around the obstacle that hides the source, and the
 /// energy of the direct sound by band, relative to that in the open. No paths if the pair is in sight, or an end lies in a solid.
 ///

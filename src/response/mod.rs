@@ -73,6 +73,8 @@ pub(crate) use figures::{CommonErrors, Differences, Record, uncertain_energy};
 #[doc(hidden)]
 pub use figures::{Precision, Withheld};
 pub use heard_source::{HeardKind, HeardSource};
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use hidden::DirectWays;
 #[doc(hidden)]
 pub use hidden::diffracted;
 pub use impulse_response::{

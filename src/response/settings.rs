@@ -54,6 +54,9 @@ pub struct ResponseSettings {
     /// The accuracy of the figures. If present, it determines the number of late waves, and `late_waves` is ignored.
     /// `None` (the default) traces the given number of waves.
     pub accuracy: Option<Accuracy>,
+    /// Whether the figures and their errors are left out, which takes most of the time of a trace with few waves.
+    #[serde(skip)]
+    pub(crate) omits_figures: bool,
 }
 
 /// The fields of [`ResponseSettings`], all of them optional.
@@ -87,6 +90,7 @@ impl Default for SettingsFile {
             transmission,
             least_level_db,
             accuracy,
+            omits_figures: _,
         } = ResponseSettings::default();
         SettingsFile {
             trace,
@@ -120,6 +124,7 @@ impl TryFrom<SettingsFile> for ResponseSettings {
             transmission: file.transmission,
             least_level_db: file.least_level_db,
             accuracy: file.accuracy,
+            omits_figures: false,
         };
         settings.validate()?;
         Ok(settings)
@@ -148,6 +153,7 @@ impl Default for ResponseSettings {
             transmission: true,
             least_level_db: None,
             accuracy: None,
+            omits_figures: false,
         }
     }
 }

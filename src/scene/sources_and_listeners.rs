@@ -23,6 +23,9 @@ pub struct Source {
     pub yaw: f32,
     /// Elevation of the source's axis in radians, positive upwards.
     pub pitch: f32,
+    /// Rotation about the source's axis in radians, positive clockwise as seen from behind. Only a simulator sets it;
+    /// scene files have no roll.
+    pub(crate) roll: f32,
     /// Power in each direction. It affects responses, and not the balance of a frame.
     pub directivity: Directivity,
     /// Key-framed positions and angles; empty for a static source.
@@ -56,6 +59,7 @@ impl Source {
             position: position.into().into(),
             yaw: 0.0,
             pitch: 0.0,
+            roll: 0.0,
             directivity: Directivity::Omnidirectional,
             path: Path::default(),
         }
@@ -121,14 +125,30 @@ impl Source {
         forward(self.yaw, self.pitch)
     }
 
-    /// Horizontal unit vector to the right of the source's axis.
+    /// Unit vector to the right of the source's axis; horizontal, unless a simulator has rolled the source.
     pub fn right(&self) -> Vec3 {
-        right(self.yaw)
+        let (sin, cos) = self.roll.sin_cos();
+        right(self.yaw) * cos - up(self.yaw, self.pitch) * sin
     }
 
     /// Unit vector that points upwards from the source, perpendicular to its axis.
     pub fn up(&self) -> Vec3 {
-        up(self.yaw, self.pitch)
+        let (sin, cos) = self.roll.sin_cos();
+        up(self.yaw, self.pitch) * cos + right(self.yaw) * sin
+    }
+
+    /// Turns the source's own axes (−z ahead, y up) by a unit quaternion, with its roll.
+    pub(crate) fn orient(&mut self, turn: DQuat) {
+        let [ahead, up_axis] = [turn * DVec3::NEG_Z, turn * DVec3::Y];
+        let is_vertical = ahead.x.hypot(ahead.z) < f64::from(f32::EPSILON);
+        self.yaw = match is_vertical {
+            true => 0.0,
+            false => ahead.x.atan2(-ahead.z) as f32,
+        };
+        self.pitch = ahead.y.clamp(-1.0, 1.0).asin() as f32;
+        let [level_right, level_up] =
+            [right(self.yaw), up(self.yaw, self.pitch)].map(|axis| axis.as_dvec3());
+        self.roll = up_axis.dot(level_right).atan2(up_axis.dot(level_up)) as f32;
     }
 }
 
@@ -404,6 +424,31 @@ mod tests {
         listener.pitch = FRAC_PI_2;
         assert!((listener.forward() - Vec3::Y).length() < 1e-6);
         assert!((listener.up() - Vec3::NEG_X).length() < 1e-6);
+    }
+
+    /// Protects the directivity of a source that a simulator turns: its axes are those of the quaternion, also with a
+    /// roll and straight up.
+    #[test]
+    fn a_quaternion_turns_all_axes_of_a_source() {
+        for [yaw, pitch, roll] in [
+            [0.0, 0.0, 0.7],
+            [0.7, -0.4, -2.5],
+            [-2.9, 1.2, 3.0],
+            [1.0, FRAC_PI_2, 0.4],
+            [0.3, -FRAC_PI_2, -1.4],
+        ] {
+            let turn = Quat::from_euler(EulerRot::YXZ, yaw, pitch, roll);
+            let mut source = Source::at(Vec3::ZERO);
+            source.orient(turn.as_dquat());
+            for (found, own) in [
+                (source.forward(), Vec3::NEG_Z),
+                (source.right(), Vec3::X),
+                (source.up(), Vec3::Y),
+            ] {
+                let off = found.distance(turn * own);
+                assert!(off < 1e-3, "{yaw} {pitch} {roll}, {own}: {off}");
+            }
+        }
     }
 
     /// Protects the import of orientations from other programs. A quaternion of yaw and pitch gives the same viewing

@@ -9,6 +9,8 @@ use crate::shader::{
     self, AlgorithmText, ArrivalsText, Budget, CompiledScene, LoopsAsked, MarchText, Materials,
     OriginRebasing, StartOrderText, Structure, StructureKey,
 };
+#[cfg(not(target_arch = "wasm32"))]
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -156,6 +158,29 @@ pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
 /// The structure of a scene for frames with these settings.
 pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
     march_options(settings).algorithm.structure(scene)
+}
+
+/// A number that is equal for scenes whose arrivals are traced by the same programs with these settings. Different
+/// scenes have different numbers, except by a chance of 2⁻⁶⁴.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn arrivals_key(scene: &Scene, settings: &Settings, transmits: bool) -> u64 {
+    /// The records and outputs do not depend on the scene.
+    const SOME: u32 = 4;
+    let structure = structure(scene, settings);
+    let march = (
+        march_options(settings).algorithm,
+        settings.directions,
+        start_order(scene, settings),
+    );
+    let mut hasher = DefaultHasher::new();
+    structure.key.hash(&mut hasher);
+    for bands in shader::band_groups(scene) {
+        let passing = transmits.then(|| Materials::with_transmission(scene, bands.clone()));
+        for materials in passing.into_iter().chain([Materials::of(scene, bands)]) {
+            ArrivalsText::new(march, &materials, SOME, 2 * SOME).hash(&mut hasher);
+        }
+    }
+    hasher.finish()
 }
 
 impl Budget {

@@ -12,6 +12,8 @@ mod live_player;
 #[cfg(feature = "audio")]
 mod live_sources;
 #[cfg(feature = "audio")]
+mod simulator;
+#[cfg(feature = "audio")]
 mod sound_server;
 
 mod measures;

@@ -1,6 +1,6 @@
 //! The number of waves of the next trace, from the time of the last one.
 
-use std::time::Duration;
+pub use echomarch::internals::wave_budget::{LEAST_WAVES, TraceTime};
 
 /// Maximum number of waves of a response. More are not needed: the echoes are exact, and the late part is replaced
 /// after a quarter of a second.
@@ -10,40 +10,12 @@ pub const MOST_WAVES: u32 = 16_384;
 /// arrivals, and the late part sounds rough.
 pub const LEAST_LATE_WAVES: u32 = 1024;
 
-/// Number of waves in the first trace of a scene with marched fields, whose duration is unknown. The same number is the
-/// minimum in a trace that takes longer than [`LONGEST_LOOK_S`]. 64 waves fill eight vectors of a software renderer.
-pub const LEAST_WAVES: u32 = 64;
-
 /// Maximum duration, in seconds, of a trace with more than the minimum number of waves. If a trace would take longer, a
 /// rough late part and missing echoes are preferable to the sound of a place that the listener has left.
 pub const LONGEST_LOOK_S: f64 = 1.0;
 
 /// Target duration of a trace, in seconds. After a longer trace, the echoes lag behind the listener.
 pub const LOOK_S: f64 = 0.25;
-
-/// Minimum share of a time limit that is left to waves, however long diffraction takes. With fewer waves, a trace
-/// would hardly be shorter, but its late part would be rough.
-const LEAST_FOR_WAVES: f64 = 0.25;
-
-/// Duration of a trace.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TraceTime {
-    /// Time that is proportional to the number of waves.
-    pub waves: Duration,
-    /// Time that diffraction took, which hardly depends on the number of waves.
-    diffraction: Duration,
-}
-
-impl TraceTime {
-    /// Splits the duration of a trace. `diffraction_ms` is the time of its diffraction in milliseconds.
-    pub fn new(whole: Duration, diffraction_ms: f64) -> TraceTime {
-        let diffraction = Duration::from_secs_f64(diffraction_ms / 1e3).min(whole);
-        TraceTime {
-            waves: whole - diffraction,
-            diffraction,
-        }
-    }
-}
 
 /// The number of waves for the next late part, after a trace of `before` waves that took `took`.
 pub fn late_waves(before: u32, took: TraceTime) -> u32 {
@@ -58,14 +30,13 @@ pub fn early_waves(before: u32, took: TraceTime) -> u32 {
 
 /// The number of waves, within the limits, of a trace of `seconds` with the same diffraction.
 fn fitting(before: u32, took: TraceTime, seconds: f64) -> u32 {
-    let for_waves = (seconds - took.diffraction.as_secs_f64()).max(LEAST_FOR_WAVES * seconds);
-    let fit = f64::from(before) * for_waves / took.waves.as_secs_f64();
-    (fit as u32).clamp(LEAST_WAVES, MOST_WAVES)
+    took.fitting(before, seconds, &(LEAST_WAVES..=MOST_WAVES))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     fn without_diffraction(seconds: f64) -> TraceTime {
         TraceTime::new(Duration::from_secs_f64(seconds), 0.0)

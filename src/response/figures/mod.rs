@@ -187,6 +187,18 @@ impl Figures {
         (energy > 0.0).then(|| decibels(energy / reference))
     }
 
+    /// No figures.
+    pub(crate) fn omitted() -> Figures {
+        Figures {
+            bands: Default::default(),
+            errors: Default::default(),
+            cut_off: [None; BAND_COUNT],
+            begins_s: None,
+            begins_error_s: None,
+            precision: Default::default(),
+        }
+    }
+
     /// The figures of the arriving sound. `taps` are exact, and everything else is in `echogram`. The record ends
     /// `ends_s` seconds after the source's impulse. `direct_s` is the arrival time of the direct sound; without direct
     /// sound the times count from the beginning of the other sound (see *Method*). There are no figures if a tap has a
@@ -197,12 +209,9 @@ impl Figures {
         let record = Record::new(taps, echogram, ends_s);
         let start = record.origin(direct_s, energy).filter(|_| are_good);
         let mut figures = Figures {
-            bands: Default::default(),
-            errors: Default::default(),
-            cut_off: [None; BAND_COUNT],
             begins_s: start.map(|start| start.seconds),
             begins_error_s: start.map(|_| 0.0),
-            precision: Default::default(),
+            ..Figures::omitted()
         };
         let Some(start) = start.filter(|start| start.seconds < ends_s && ends_s.is_finite()) else {
             return figures;

@@ -1,0 +1,249 @@
+//! What a game's audio callback calls: the sound of sources as the listener hears them.
+
+use super::messages::{MESSAGES_PER_SOURCE, Message};
+use super::network::Network;
+use super::taps::{CHUNK, Output, Voice};
+use super::{SimulatorError, SourceId};
+use crate::bands::BAND_COUNT;
+use crate::hrtf::HrirSet;
+use crate::response::{ImpulseSettings, ResponseError};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::fmt;
+use std::sync::Arc;
+
+/// Maximum number of sources of a mix: each has half a megabyte.
+const MOST_SOURCES: usize = 256;
+
+/// Voices beside those of the sources, for sources that fade out.
+const SPARE_VOICES: usize = 4;
+
+/// The format of [`Ears`] and [`Mix`].
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct EarsSpec {
+    /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
+    pub rate_hz: u32,
+    /// Maximum number of sources that are heard at once, 1 to 256. [`Ears`] have one.
+    pub sources: usize,
+    /// Longest delay of a direct way or an echo in seconds, 0.01 to 5. Later ones are heard after this time. A source
+    /// takes 1 MiB for each 0.7 s at 48 kHz.
+    pub longest_s: f64,
+    /// A head for headphones: direct ways and echoes have the delays of both ears, and their levels by octave. Without
+    /// one, they are panned between two loudspeakers with constant power.
+    pub head: Option<Arc<HrirSet>>,
+}
+
+impl EarsSpec {
+    /// The format at a sampling rate in hertz: 64 sources, 0.6 s, two loudspeakers.
+    pub fn new(rate_hz: u32) -> EarsSpec {
+        EarsSpec {
+            rate_hz,
+            sources: 64,
+            longest_s: 0.6,
+            head: None,
+        }
+    }
+
+    /// Returns the format with a maximum number of sources.
+    #[must_use]
+    pub fn with_sources(mut self, sources: usize) -> EarsSpec {
+        self.sources = sources;
+        self
+    }
+
+    /// Returns the format with a head.
+    #[must_use]
+    pub fn with_head(mut self, head: Arc<HrirSet>) -> EarsSpec {
+        self.head = Some(head);
+        self
+    }
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`SimulatorError::BadNumber`].
+    pub fn validate(&self) -> Result<(), SimulatorError> {
+        let bad = |what, must, value| Err(SimulatorError::BadNumber { what, must, value });
+        if !ImpulseSettings::RATES_HZ.contains(&self.rate_hz) {
+            let rate = f64::from(self.rate_hz);
+            return bad("the sampling rate in hertz", "8000 to 192000", rate);
+        }
+        if !(1..=MOST_SOURCES).contains(&self.sources) {
+            return bad("the sources of a mix", "1 to 256", self.sources as f64);
+        }
+        if !(0.01..=5.0).contains(&self.longest_s) {
+            return bad("the longest delay in seconds", "0.01 to 5", self.longest_s);
+        }
+        Ok(())
+    }
+}
+
+/// A voice and the source that has it.
+#[derive(Debug)]
+struct Slot {
+    id: Option<SourceId>,
+    /// Whether the source is removed: the voice is free when it is silent.
+    is_gone: bool,
+    voice: Voice,
+}
+
+/// The sound of all sources as the listener hears them. Made by [`Simulator::mix`](super::Simulator::mix).
+///
+/// A source is silent before its first trace, then fades in. Direct ways and echoes are taps of a delay line; the late
+/// part of all sources passes one network of delay lines, which decays like the mean of all sources. Nothing waits, and
+/// nothing is allocated or freed, so that it may run in an audio callback.
+pub struct Mix {
+    inbox: Consumer<Box<Message>>,
+    outbox: Producer<Box<Message>>,
+    slots: Vec<Slot>,
+    network: Network,
+    output: Box<Output>,
+    late: [f32; CHUNK],
+    mono: [f32; CHUNK],
+    pairs: [[f32; 2]; CHUNK],
+}
+
+/// The ends of the worker: messages to the ears, and messages back.
+pub(super) type Ends = (Producer<Box<Message>>, Consumer<Box<Message>>);
+
+impl Mix {
+    pub(super) fn new(spec: &EarsSpec) -> (Mix, Ends) {
+        let capacity = spec.sources * MESSAGES_PER_SOURCE;
+        let (to_inbox, inbox) = RingBuffer::new(capacity);
+        let (outbox, from_outbox) = RingBuffer::new(capacity);
+        let longest = (spec.longest_s * f64::from(spec.rate_hz)) as usize;
+        let slot = |_| Slot {
+            id: None,
+            is_gone: false,
+            voice: Voice::new(longest, spec.rate_hz),
+        };
+        let mix = Mix {
+            inbox,
+            outbox,
+            slots: (0..spec.sources + SPARE_VOICES).map(slot).collect(),
+            network: Network::new(&[1.0; BAND_COUNT], spec.rate_hz),
+            output: Box::new(Output::SILENT),
+            late: [0.0; CHUNK],
+            mono: [0.0; CHUNK],
+            pairs: [[0.0; 2]; CHUNK],
+        };
+        (mix, (to_inbox, from_outbox))
+    }
+
+    /// Overwrites `stereo`, both channels interleaved, with the next samples. `fill` is called for each source that is
+    /// heard, with its id and the place for the next samples of its sound, which are silent before. It is called several
+    /// times if there are more than 128 samples. An incomplete last frame is silent.
+    pub fn process(&mut self, stereo: &mut [f32], mut fill: impl FnMut(SourceId, &mut [f32])) {
+        self.take_messages();
+        let (frames, odd) = stereo.as_chunks_mut::<2>();
+        odd.fill(0.0);
+        for chunk in frames.chunks_mut(CHUNK) {
+            self.render(chunk.len(), &mut fill);
+            chunk.copy_from_slice(&self.pairs[..chunk.len()]);
+        }
+    }
+
+    /// Number of sources that are heard.
+    pub fn source_count(&self) -> usize {
+        self.slots.iter().filter(|slot| slot.id.is_some()).count()
+    }
+
+    fn take_messages(&mut self) {
+        while let Ok(message) = self.inbox.pop() {
+            if let Some(absorption) = &message.absorption {
+                self.network.glide_to(absorption);
+            }
+            if let Some(slot) = self.slot(&message) {
+                slot.voice.glide_to(&message.targets, message.glide);
+                slot.is_gone = message.is_gone;
+            }
+            // There is room: no more messages are under way.
+            let _ = self.outbox.push(message);
+        }
+    }
+
+    /// The voice of the message's source. A new source gets one that is free or about to be.
+    fn slot(&mut self, message: &Message) -> Option<&mut Slot> {
+        let id = Some(message.id);
+        let own = self.slots.iter().position(|slot| slot.id == id);
+        let index = match own {
+            Some(index) => index,
+            None if message.is_gone => return None,
+            None => {
+                let free = self.slots.iter().position(|slot| slot.id.is_none());
+                let fading = || self.slots.iter().position(|slot| slot.is_gone);
+                let index = free.or_else(fading)?;
+                self.slots[index].id = id;
+                self.slots[index].voice.clear();
+                index
+            }
+        };
+        self.slots.get_mut(index)
+    }
+
+    fn render(&mut self, frames: usize, fill: &mut impl FnMut(SourceId, &mut [f32])) {
+        let Output { ears, late } = &mut *self.output;
+        ears[..frames].fill([[0.0; 4]; 2]);
+        late[..frames].fill([[0.0; 4]]);
+        for slot in &mut self.slots {
+            let Some(id) = slot.id else {
+                continue;
+            };
+            let mono = &mut self.mono[..frames];
+            mono.fill(0.0);
+            if !slot.is_gone {
+                fill(id, mono);
+            }
+            slot.voice.add(mono, &mut self.output);
+            if slot.is_gone && slot.voice.is_silent() {
+                (slot.id, slot.is_gone) = (None, false);
+            }
+        }
+        let Output { ears, late } = &*self.output;
+        let sum = |frame: &[f32; 4]| frame[0] + frame[1] + (frame[2] + frame[3]);
+        for index in 0..frames {
+            self.pairs[index] = ears[index].each_ref().map(sum);
+            self.late[index] = sum(&late[index][0]);
+        }
+        self.network
+            .add(&self.late[..frames], &mut self.pairs[..frames]);
+    }
+}
+
+impl fmt::Debug for Mix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Mix")
+            .field("sources", &self.source_count())
+            .finish_non_exhaustive()
+    }
+}
+
+/// The sound of one source as the listener hears it. Made by [`Simulator::ears`](super::Simulator::ears).
+///
+/// Like a [`Mix`] of one source, for engines that mix sources themselves.
+#[derive(Debug)]
+pub struct Ears {
+    pub(super) mix: Mix,
+}
+
+impl Ears {
+    /// Overwrites `stereo`, both channels interleaved, with what is heard of the next samples of the source. Silent
+    /// before the source's first trace. Allocates and frees nothing.
+    ///
+    /// # Errors
+    /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then no sample is played.
+    pub fn process(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), ResponseError> {
+        if stereo.len() != 2 * mono.len() {
+            let (mono, stereo) = (mono.len(), stereo.len());
+            return Err(ResponseError::BadStereoLength { mono, stereo });
+        }
+        let mut rest = mono;
+        for chunk in stereo.chunks_mut(2 * CHUNK) {
+            let (now, later) = rest.split_at(chunk.len() / 2);
+            self.mix
+                .process(chunk, |_, place| place.copy_from_slice(now));
+            rest = later;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,278 @@
+//! Messages from the tracing worker to the ears: taps of each source, and the decay of the network.
+
+use super::head::Head;
+use super::network::{self, Absorption};
+use super::taps::{EARS, Fit, Frame, Kind, Target};
+use super::update::Published;
+use super::{Pose, SourceId, Update};
+use crate::bands::{BAND_COUNT, Bands};
+use crate::platform::Instant;
+use glam::{DVec3, Quat};
+use rtrb::{Consumer, Producer};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Maximum number of messages under way for each source.
+pub(super) const MESSAGES_PER_SOURCE: usize = 4;
+
+/// Time in seconds in which a source fades in after its first trace.
+const FIRST_FADE_S: f64 = 0.05;
+
+/// Limits in seconds of the time in which taps glide: as long as since the last message.
+const SHORTEST_GLIDE_S: f64 = 0.015;
+const LONGEST_GLIDE_S: f64 = 0.2;
+
+/// Least relative change of a decay time that changes the filters of the network, and least time in seconds between
+/// two changes.
+const LEAST_CHANGE: f64 = 0.02;
+const CHANGE_EVERY_S: f64 = 0.2;
+
+/// The key of the direct way and of the way to the network.
+const OWN_KEY: u64 = 0;
+
+/// A message. The ears return it to be freed.
+#[derive(Debug)]
+pub(super) struct Message {
+    pub id: SourceId,
+    pub targets: Vec<Target>,
+    /// Number of samples in which the taps glide.
+    pub glide: u32,
+    /// Whether the source is removed or disabled.
+    pub is_gone: bool,
+    /// Other filters of the network.
+    pub absorption: Option<Box<Absorption>>,
+}
+
+/// The last message about a source.
+struct Told {
+    traces: u64,
+    /// The gains of its echoes.
+    echoes: Vec<Frame>,
+    update: Arc<Update>,
+    turn: Quat,
+    when: Instant,
+}
+
+/// The worker's end of the ears.
+pub(super) struct Subscriber {
+    pub rate_hz: u32,
+    /// The only source that is heard; all sources without one.
+    pub only: Option<SourceId>,
+    /// Maximum number of sources.
+    pub sources: usize,
+    pub head: Head,
+    pub inbox: Producer<Box<Message>>,
+    pub outbox: Consumer<Box<Message>>,
+    fit: Fit,
+    told: HashMap<SourceId, Told>,
+    decay_s: Bands,
+    changed: Option<Instant>,
+    under_way: usize,
+}
+
+impl Subscriber {
+    pub fn new(
+        (rate_hz, sources, only): (u32, usize, Option<SourceId>),
+        head: Head,
+        (inbox, outbox): (Producer<Box<Message>>, Consumer<Box<Message>>),
+    ) -> Subscriber {
+        Subscriber {
+            rate_hz,
+            only,
+            sources,
+            head,
+            inbox,
+            outbox,
+            fit: Fit::new(rate_hz),
+            told: HashMap::new(),
+            decay_s: [1.0; BAND_COUNT],
+            changed: None,
+            under_way: 0,
+        }
+    }
+
+    /// Whether the ears still exist.
+    pub fn is_heard(&self) -> bool {
+        !self.inbox.is_abandoned()
+    }
+
+    /// Sends the changes.
+    pub fn tell(&mut self, listener: &Pose, published: &Published) {
+        while self.outbox.pop().is_ok() {
+            self.under_way -= 1;
+        }
+        let gone: Vec<SourceId> = self.told.keys().copied().collect();
+        for id in gone.into_iter().filter(|id| !published.contains_key(id)) {
+            self.tell_gone(id);
+        }
+        let mut absorption = self.next_absorption(published);
+        for (id, update) in published {
+            let is_chosen = self.only.is_none_or(|only| only == *id);
+            let has_room = self.told.contains_key(id) || self.told.len() < self.sources;
+            // Before the first trace, echoes and reverberation are missing.
+            if is_chosen && has_room && update.traces > 0 {
+                self.tell_update(*id, update, listener, &mut absorption);
+            }
+        }
+    }
+
+    fn tell_gone(&mut self, id: SourceId) {
+        let message = Message {
+            id,
+            targets: Vec::new(),
+            glide: self.samples(FIRST_FADE_S),
+            is_gone: true,
+            absorption: None,
+        };
+        if self.send(message) {
+            self.told.remove(&id);
+        }
+    }
+
+    fn send(&mut self, message: Message) -> bool {
+        if self.under_way >= self.sources * MESSAGES_PER_SOURCE {
+            return false;
+        }
+        let is_sent = self.inbox.push(Box::new(message)).is_ok();
+        self.under_way += usize::from(is_sent);
+        is_sent
+    }
+
+    fn samples(&self, seconds: f64) -> u32 {
+        ((seconds * f64::from(self.rate_hz)) as u32).max(1)
+    }
+
+    fn tell_update(
+        &mut self,
+        id: SourceId,
+        update: &Arc<Update>,
+        listener: &Pose,
+        absorption: &mut Option<Box<Absorption>>,
+    ) {
+        let told = self.told.get(&id);
+        let is_known = told.is_some_and(|told| {
+            told.turn == listener.rotation
+                && told.traces == update.traces
+                && told.update.direct == update.direct
+        });
+        if is_known && absorption.is_none() {
+            return;
+        }
+        let echoes = match told.filter(|told| told.traces == update.traces) {
+            Some(told) => told.echoes.clone(),
+            None => update
+                .echoes
+                .iter()
+                .map(|echo| self.fit.gains(&echo.gain))
+                .collect(),
+        };
+        let glide_s = told.map_or(FIRST_FADE_S, |told| {
+            let since = told.when.elapsed().as_secs_f64();
+            since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S)
+        });
+        let Some(targets) = self.targets(update, &echoes, listener) else {
+            return;
+        };
+        let message = Message {
+            id,
+            targets,
+            glide: self.samples(glide_s),
+            is_gone: false,
+            absorption: absorption.take(),
+        };
+        if self.send(message) {
+            let told = Told {
+                traces: update.traces,
+                echoes,
+                update: Arc::clone(update),
+                turn: listener.rotation,
+                when: Instant::now(),
+            };
+            self.told.insert(id, told);
+        }
+    }
+
+    /// The taps of a source: the direct way, its echoes, and the way to the network.
+    fn targets(&self, update: &Update, echoes: &[Frame], listener: &Pose) -> Option<Vec<Target>> {
+        let axes = listener.axes().ok()?;
+        let rate = f64::from(self.rate_hz);
+        let tap = |key, kind, from: glam::Vec3, delay_s: f64, gains: Frame| {
+            let from: DVec3 = from.as_dvec3();
+            let ears = self.head.ears(&axes, from);
+            let of_ear = |side: usize| match &self.head {
+                Head::Stereo => gains.map(|gain| gain * ears[side].gain[0] as f32),
+                Head::Measured { .. } => {
+                    let own = self.fit.gains(&ears[side].gain);
+                    std::array::from_fn(|band| gains[band] * own[band])
+                }
+            };
+            Target {
+                key,
+                kind,
+                delays: ears.map(|ear| (delay_s + ear.delay_s) * rate),
+                gains: std::array::from_fn(of_ear),
+            }
+        };
+        let direct = &update.direct;
+        let gains = self.fit.gains(&direct.gain);
+        let mut targets = vec![tap(
+            OWN_KEY,
+            Kind::Direct,
+            direct.from,
+            direct.delay_s,
+            gains,
+        )];
+        let all = update.echoes.iter().zip(echoes);
+        targets.extend(
+            all.map(|(echo, gains)| tap(echo.key, Kind::Echo, echo.from, echo.delay_s, *gains)),
+        );
+        targets.push(self.late_tap(update));
+        Some(targets)
+    }
+
+    /// The way to the network: with the gains that give the late part its energy.
+    fn late_tap(&self, update: &Update) -> Target {
+        let reverb = &update.reverb;
+        let energy = network::energy(&self.decay_s);
+        // Each channel has half of the energy.
+        let gains: Bands =
+            std::array::from_fn(|band| reverb.late_gain[band] * (0.5 / energy[band]).sqrt());
+        let delay = (reverb.late_s - network::FIRST_S).max(0.0) * f64::from(self.rate_hz);
+        Target {
+            key: OWN_KEY,
+            kind: Kind::Late,
+            delays: [delay; EARS],
+            gains: [self.fit.gains(&gains); EARS],
+        }
+    }
+
+    /// Other filters of the network, if the mean decay of the late energy of all sources has changed.
+    fn next_absorption(&mut self, published: &Published) -> Option<Box<Absorption>> {
+        let is_soon = |when: Instant| when.elapsed().as_secs_f64() < CHANGE_EVERY_S;
+        if self.changed.is_some_and(is_soon) {
+            return None;
+        }
+        let mut next = self.decay_s;
+        for (band, next) in next.iter_mut().enumerate() {
+            let (mut weighted, mut weights) = (0.0, 0.0);
+            for (id, update) in published {
+                let energy = update.reverb.late_gain[band].powi(2);
+                if self.only.is_none_or(|only| only == *id) && energy > 0.0 {
+                    weighted += energy * update.reverb.decay_s[band];
+                    weights += energy;
+                }
+            }
+            if weights > 0.0 {
+                *next = weighted / weights;
+            }
+        }
+        let changes = next.iter().zip(&self.decay_s);
+        let most = changes.map(|(next, now)| (next / now - 1.0).abs());
+        if most.fold(0.0, f64::max) < LEAST_CHANGE {
+            return None;
+        }
+        self.decay_s = next;
+        self.changed = Some(Instant::now());
+        Some(Box::new(Absorption::new(&next, self.rate_hz)))
+    }
+}

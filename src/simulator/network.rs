@@ -1,0 +1,518 @@
+//! The late part of all sources: a feedback delay network.
+//!
+//! # Method
+//! Sixteen delay lines feed back through an orthogonal matrix (Hadamard), so that without filters no energy is lost
+//! (Jot and Chaigne, *Digital delay networks for designing artificial reverberators*, AES 90, 1991). An absorbent
+//! filter follows each line. In a time d, sound that decays by 60 dB in T loses 60 d/T dB: the filter is a gain and
+//! seven shelving filters of first order at the edges of the octaves, whose gains are solved so that the loss is exact
+//! at the centres of all eight bands (Välimäki and Liski, *Accurate cascade graphic equalizer*, IEEE SPL 24, 2017,
+//! solve peaking filters in this way). Coefficients run linearly to their next values.
+//!
+//! # Cost
+//! All filters of a stage run side by side for the sixteen lines.
+
+use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use num_complex::Complex64;
+use std::f64::consts::{PI, SQRT_2};
+
+/// Number of delay lines.
+pub(super) const LINES: usize = 16;
+
+/// Lengths of the lines in seconds: prime numbers of samples at 48 kHz, so that few echoes coincide. The sum, 0.5 s,
+/// is the number of modes for each hertz: more than the ear resolves in rooms that decay in less than 5 s.
+const LENGTHS: [usize; LINES] = [
+    887, 971, 1063, 1151, 1229, 1327, 1423, 1499, 1579, 1667, 1759, 1861, 1951, 2039, 2131, 2239,
+];
+
+/// The sampling rate of [`LENGTHS`] in hertz.
+const LENGTHS_HZ: f64 = 48_000.0;
+
+/// Time in seconds from the input to the first output.
+pub(super) const FIRST_S: f64 = LENGTHS[0] as f64 / LENGTHS_HZ;
+
+/// Number of shelving filters: one between every two bands.
+const SHELVES: usize = BAND_COUNT - 1;
+
+/// Shortest decay time in seconds: that of a furnished small room is 0.2 s.
+const SHORTEST_S: f64 = 0.05;
+
+/// Longest decay time in seconds.
+const LONGEST_S: f64 = 60.0;
+
+/// Steps of the solution for the shelves. The gains in decibels are nearly additive, so that few steps suffice.
+const STEPS: usize = 6;
+
+/// Time in seconds in which coefficients run to their next values.
+const GLIDE_S: f64 = 0.1;
+
+/// One number for each line.
+type Each = [f32; LINES];
+
+/// The filters of all lines.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Absorption {
+    gain: Each,
+    /// For each shelf: both coefficients of the input, and the one of the output.
+    shelves: [[Each; 3]; SHELVES],
+}
+
+/// A shelving filter of first order: 1 at low frequencies.
+#[derive(Clone, Copy)]
+struct Shelf([f64; 3]);
+
+impl Shelf {
+    /// A shelf at an edge in hertz whose gain at high frequencies is `gain`.
+    fn new(edge_hz: f64, gain: f64, rate_hz: f64) -> Shelf {
+        let warped = 1.0 / (PI * (edge_hz / rate_hz).min(0.49)).tan();
+        let root = gain.sqrt();
+        let (zero, pole) = (root * warped, warped / root);
+        let scale = 1.0 / (1.0 + pole);
+        Shelf([
+            (1.0 + zero) * scale,
+            (1.0 - zero) * scale,
+            (1.0 - pole) * scale,
+        ])
+    }
+
+    fn gain_db(&self, hertz: f64, rate_hz: f64) -> f64 {
+        let late = Complex64::from_polar(1.0, -2.0 * PI * hertz / rate_hz);
+        let [b0, b1, a1] = self.0;
+        let gain = (b0 + b1 * late) / (1.0 + a1 * late);
+        20.0 * gain.norm().log10()
+    }
+}
+
+/// The edge in hertz between a band and the next.
+fn edge_hz(shelf: usize) -> f64 {
+    BANDS_HZ[shelf] * SQRT_2
+}
+
+/// The broadband gain and the gains of the shelves in decibels, so that the filter has these gains at the centres of
+/// the bands.
+fn solve(wanted_db: &Bands, rate_hz: f64) -> (f64, [f64; SHELVES]) {
+    let mut steps: [f64; SHELVES] =
+        std::array::from_fn(|shelf| wanted_db[shelf + 1] - wanted_db[shelf]);
+    let mut broad = wanted_db[0];
+    let centre = |band: usize| BANDS_HZ[band].min(0.45 * rate_hz);
+    for _ in 0..STEPS {
+        // The shape of each shelf at its present gain, per decibel.
+        let shapes: [[f64; BAND_COUNT]; SHELVES] = std::array::from_fn(|shelf| {
+            let gain_db = if steps[shelf].abs() < 0.01 {
+                0.01
+            } else {
+                steps[shelf]
+            };
+            let filter = Shelf::new(edge_hz(shelf), 10_f64.powf(gain_db / 20.0), rate_hz);
+            std::array::from_fn(|band| filter.gain_db(centre(band), rate_hz) / gain_db)
+        });
+        let mut rows = [[0.0; BAND_COUNT + 1]; BAND_COUNT];
+        for (band, row) in rows.iter_mut().enumerate() {
+            row[0] = 1.0;
+            for (shelf, shape) in shapes.iter().enumerate() {
+                row[shelf + 1] = shape[band];
+            }
+            row[BAND_COUNT] = wanted_db[band];
+        }
+        let Some(found) = eliminate(rows) else {
+            break;
+        };
+        broad = found[0];
+        steps.copy_from_slice(&found[1..]);
+    }
+    (broad, steps)
+}
+
+/// The solution of linear equations, with the right sides in the last column; `None` if it is not unique.
+fn eliminate(mut rows: [[f64; BAND_COUNT + 1]; BAND_COUNT]) -> Option<[f64; BAND_COUNT]> {
+    for column in 0..BAND_COUNT {
+        let pivot = (column..BAND_COUNT)
+            .max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()))?;
+        rows.swap(column, pivot);
+        let of_pivot = rows[column];
+        if of_pivot[column].abs() < 1e-9 {
+            return None;
+        }
+        for (index, row) in rows.iter_mut().enumerate() {
+            if index != column {
+                let factor = row[column] / of_pivot[column];
+                for (value, pivot) in row.iter_mut().zip(&of_pivot) {
+                    *value -= factor * pivot;
+                }
+            }
+        }
+    }
+    Some(std::array::from_fn(|index| {
+        rows[index][BAND_COUNT] / rows[index][index]
+    }))
+}
+
+/// The length of a line in samples.
+fn length(line: usize, rate_hz: f64) -> usize {
+    ((LENGTHS[line] as f64 * rate_hz / LENGTHS_HZ).round() as usize).max(1)
+}
+
+impl Absorption {
+    /// The filters for these decay times in seconds by band, at a rate in hertz.
+    pub fn new(decay_s: &Bands, rate_hz: u32) -> Absorption {
+        let rate = f64::from(rate_hz);
+        let mut all = Absorption {
+            gain: [0.0; LINES],
+            shelves: [[[0.0; LINES]; 3]; SHELVES],
+        };
+        for line in 0..LINES {
+            let delay_s = length(line, rate) as f64 / rate;
+            let loss_db = |time_s: f64| -60.0 * delay_s / time_s.clamp(SHORTEST_S, LONGEST_S);
+            let (broad_db, steps_db) = solve(&decay_s.map(loss_db), rate);
+            all.gain[line] = 10_f64.powf(broad_db / 20.0) as f32;
+            for (shelf, step_db) in steps_db.into_iter().enumerate() {
+                let Shelf(numbers) = Shelf::new(edge_hz(shelf), 10_f64.powf(step_db / 20.0), rate);
+                for (number, value) in numbers.into_iter().enumerate() {
+                    all.shelves[shelf][number][line] = value as f32;
+                }
+            }
+        }
+        all
+    }
+
+    /// All coefficients in one order.
+    fn numbers(&mut self) -> impl Iterator<Item = &mut f32> {
+        let shelves = self.shelves.iter_mut().flatten().flatten();
+        self.gain.iter_mut().chain(shelves)
+    }
+}
+
+/// The energy of each output channel after an impulse of energy 1, by band, for a sound that decays in these times: the
+/// impulse passes all lines again and again, and half of the energy of the lines goes to each channel.
+pub(super) fn energy(decay_s: &Bands) -> Bands {
+    let mean_s = LENGTHS.iter().sum::<usize>() as f64 / LENGTHS_HZ / LINES as f64;
+    decay_s.map(|time_s| {
+        let time_s = time_s.clamp(SHORTEST_S, LONGEST_S);
+        // Each pass leaves the share exp(−2 × passes).
+        let pass = 10_f64.powf(-6.0 * mean_s / time_s);
+        0.5 * pass / (1.0 - pass)
+    })
+}
+
+/// The network.
+#[derive(Debug)]
+pub(super) struct Network {
+    lines: Vec<Vec<f32>>,
+    /// Index of the next sample of each line.
+    at: [usize; LINES],
+    absorption: Absorption,
+    step: Absorption,
+    /// Number of samples until the coefficients reach their next values.
+    to_go: u32,
+    glide: u32,
+    next: Absorption,
+    states: [Each; SHELVES],
+}
+
+/// The factors of the lines in both channels: rows of the matrix, so that both channels differ.
+const SIDES: [Each; 2] = {
+    let mut sides = [[1.0; LINES]; 2];
+    let mut line = 0;
+    while line < LINES {
+        if (line as u32 & 0b0101).count_ones() % 2 == 1 {
+            sides[0][line] = -1.0;
+        }
+        if (line as u32 & 0b1011).count_ones() % 2 == 1 {
+            sides[1][line] = -1.0;
+        }
+        line += 1;
+    }
+    sides
+};
+
+impl Network {
+    /// A silent network that decays in these times in seconds.
+    pub fn new(decay_s: &Bands, rate_hz: u32) -> Network {
+        let absorption = Absorption::new(decay_s, rate_hz);
+        let rate = f64::from(rate_hz);
+        Network {
+            lines: (0..LINES)
+                .map(|line| vec![0.0; length(line, rate)])
+                .collect(),
+            at: [0; LINES],
+            step: absorption.clone(),
+            next: absorption.clone(),
+            absorption,
+            to_go: 0,
+            glide: ((GLIDE_S * rate) as u32).max(1),
+            states: [[0.0; LINES]; SHELVES],
+        }
+    }
+
+    /// Lets the filters run to other ones. Does not allocate.
+    pub fn glide_to(&mut self, next: &Absorption) {
+        self.next.clone_from(next);
+        self.step.clone_from(next);
+        let glide = self.glide as f32;
+        for (step, now) in self.step.numbers().zip(self.absorption.numbers()) {
+            *step = (*step - *now) / glide;
+        }
+        self.to_go = self.glide;
+    }
+
+    /// Adds the network's output for the next samples of its input to both channels. Does not allocate.
+    pub fn add(&mut self, input: &[f32], stereo: &mut [[f32; 2]]) {
+        for (input, out) in input.iter().zip(stereo) {
+            if self.to_go > 0 {
+                self.glide();
+            }
+            let [left, right] = self.next_sample(*input);
+            out[0] += left;
+            out[1] += right;
+        }
+    }
+
+    fn glide(&mut self) {
+        self.to_go -= 1;
+        if self.to_go == 0 {
+            self.absorption.clone_from(&self.next);
+            return;
+        }
+        for (now, step) in self.absorption.numbers().zip(self.step.numbers()) {
+            *now += *step;
+        }
+    }
+
+    fn next_sample(&mut self, input: f32) -> [f32; 2] {
+        let mut values: Each = std::array::from_fn(|line| self.lines[line][self.at[line]]);
+        for (value, gain) in values.iter_mut().zip(&self.absorption.gain) {
+            *value *= gain;
+        }
+        for (states, [b0, b1, a1]) in self.states.iter_mut().zip(&self.absorption.shelves) {
+            for line in 0..LINES {
+                let value = values[line];
+                let out = b0[line] * value + states[line];
+                states[line] = b1[line] * value - a1[line] * out;
+                values[line] = out;
+            }
+        }
+        let side = |signs: &Each| -> f32 {
+            let products = values.iter().zip(signs).map(|(value, sign)| value * sign);
+            products.sum::<f32>() * OUT
+        };
+        let out = [side(&SIDES[0]), side(&SIDES[1])];
+        mix(&mut values);
+        for line in 0..LINES {
+            let place = &mut self.lines[line][self.at[line]];
+            *place = values[line] + IN * input * SIGNS[line];
+            self.at[line] += 1;
+            if self.at[line] == self.lines[line].len() {
+                self.at[line] = 0;
+            }
+        }
+        out
+    }
+}
+
+/// The share of the input's amplitude in each line: the energies add up to 1.
+const IN: f32 = 0.25;
+
+/// The share of each line's amplitude in a channel: half of the energy in each channel.
+const OUT: f32 = std::f32::consts::FRAC_1_SQRT_2;
+
+/// Signs of the input in the lines, so that the input does not leave as one echo.
+const SIGNS: Each = {
+    let mut signs = [1.0; LINES];
+    let mut line = 0;
+    while line < LINES {
+        if line % 3 == 1 {
+            signs[line] = -1.0;
+        }
+        line += 1;
+    }
+    signs
+};
+
+/// Multiplies by the orthogonal Hadamard matrix.
+fn mix(values: &mut Each) {
+    let mut half = 1;
+    while half < LINES {
+        for start in (0..LINES).step_by(2 * half) {
+            for index in start..start + half {
+                let (a, b) = (values[index], values[index + half]);
+                values[index] = a + b;
+                values[index + half] = a - b;
+            }
+        }
+        half *= 2;
+    }
+    for value in values {
+        *value *= 0.25;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{hash, unit_interval};
+
+    const RATE_HZ: u32 = 48_000;
+
+    /// The response of a network to an impulse, both channels, with denormals avoided by its length.
+    fn response(decay_s: &Bands, seconds: f64) -> Vec<[f32; 2]> {
+        let mut network = Network::new(decay_s, RATE_HZ);
+        let length = (seconds * f64::from(RATE_HZ)) as usize;
+        let mut input = vec![0.0; length];
+        input[0] = 1.0;
+        let mut out = vec![[0.0; 2]; length];
+        network.add(&input, &mut out);
+        out
+    }
+
+    /// The gain in decibels of the filter of a line at a frequency: that of its response to an impulse.
+    fn loss_db(absorption: &Absorption, line: usize, hertz: f64) -> f64 {
+        let mut states = [0.0_f64; SHELVES];
+        let mut sum = Complex64::default();
+        for sample in 0..1 << 15 {
+            let mut value = match sample {
+                0 => f64::from(absorption.gain[line]),
+                _ => 0.0,
+            };
+            for (state, numbers) in states.iter_mut().zip(&absorption.shelves) {
+                let [b0, b1, a1] = numbers.map(|each| f64::from(each[line]));
+                let out = b0 * value + *state;
+                *state = b1 * value - a1 * out;
+                value = out;
+            }
+            let turn = 2.0 * PI * hertz * f64::from(sample) / f64::from(RATE_HZ);
+            sum += value * Complex64::from_polar(1.0, -turn);
+        }
+        20.0 * sum.norm().log10()
+    }
+
+    /// The decay time in seconds of energies in windows: from a line through the levels of −5 to −35 dB of their
+    /// backward sums.
+    fn decay_s(energies: &[f64], window_s: f64) -> f64 {
+        let mut sums = energies.to_vec();
+        for index in (0..sums.len() - 1).rev() {
+            sums[index] += sums[index + 1];
+        }
+        let level =
+            |(index, sum): (usize, &f64)| (index as f64 * window_s, 10.0 * (sum / sums[0]).log10());
+        let levels = sums.iter().enumerate().map(level);
+        let levels: Vec<(f64, f64)> = levels
+            .filter(|(_, level)| (-35.0..=-5.0).contains(level))
+            .collect();
+        let count = levels.len() as f64;
+        let mean_s = levels.iter().map(|(seconds, _)| seconds).sum::<f64>() / count;
+        let moments = levels.iter().map(|(s, level)| (s - mean_s) * level);
+        let squares = levels.iter().map(|(s, _)| (s - mean_s).powi(2));
+        -60.0 * squares.sum::<f64>() / moments.sum::<f64>()
+    }
+
+    /// Decay times that are even, fall, and have a maximum.
+    const DECAYS: [Bands; 3] = [
+        [1.0; BAND_COUNT],
+        [2.2, 2.0, 1.8, 1.6, 1.4, 1.1, 0.8, 0.6],
+        [0.8, 1.0, 1.3, 1.5, 1.4, 1.2, 0.9, 0.7],
+    ];
+
+    /// Protects the decay in each octave, to 2 %. All lines lose the same decibels in a second, and the matrix loses
+    /// nothing, so that this loss is the decay.
+    #[test]
+    fn each_octave_decays_in_its_time() {
+        for wanted in DECAYS {
+            let absorption = Absorption::new(&wanted, RATE_HZ);
+            for line in [0, 7, 15] {
+                let delay_s = LENGTHS[line] as f64 / LENGTHS_HZ;
+                for (band, wanted_s) in wanted.iter().enumerate() {
+                    let found_s = -60.0 * delay_s / loss_db(&absorption, line, BANDS_HZ[band]);
+                    let off = found_s / wanted_s - 1.0;
+                    assert!(
+                        off.abs() < 0.02,
+                        "{} Hz: {found_s} s, not {wanted_s}",
+                        BANDS_HZ[band]
+                    );
+                }
+            }
+        }
+    }
+
+    /// Protects the decay and the level that are heard: noise of 50 ms decays in the time of all bands, to 2 %, and has
+    /// the stated energy, to 0.3 dB.
+    #[test]
+    fn noise_decays_in_time_and_at_level() {
+        const DECAY_S: f64 = 0.8;
+        let window = 960;
+        let length = (1.2 * DECAY_S * f64::from(RATE_HZ)) as usize;
+        let mut energies = vec![0.0; length / window];
+        let mut given = 0.0;
+        for seed in 0..12 {
+            let mut network = Network::new(&[DECAY_S; BAND_COUNT], RATE_HZ);
+            let mut input = vec![0.0; length];
+            for (index, sample) in input[..2400].iter_mut().enumerate() {
+                *sample = unit_interval(hash(hash(seed) ^ index as u64)) as f32 - 0.5;
+                given += f64::from(*sample * *sample);
+            }
+            let mut out = vec![[0.0; 2]; length];
+            network.add(&input, &mut out);
+            for (energy, frames) in energies.iter_mut().zip(out.chunks_exact(window)) {
+                *energy += frames
+                    .iter()
+                    .flatten()
+                    .map(|s| f64::from(s * s))
+                    .sum::<f64>();
+            }
+        }
+        let total: f64 = energies.iter().sum();
+        let expected = 2.0 * energy(&[DECAY_S; BAND_COUNT])[4];
+        let level_db = 10.0 * (total / given / expected).log10();
+        assert!(level_db.abs() < 0.3, "{level_db} dB");
+        // After the noise has ended and filled all lines.
+        let found_s = decay_s(&energies[6..], window as f64 / f64::from(RATE_HZ));
+        assert!((found_s / DECAY_S - 1.0).abs() < 0.02, "{found_s} s");
+    }
+
+    /// Protects the smoothness of the reverberation: after 100 ms, its samples are distributed like Gaussian noise, as
+    /// in a convolution with shaped noise. The share beyond one standard deviation, in windows of 20 ms, is then 0.317
+    /// (the echo density of Abel and Huang, AES 121, 2006, is 1).
+    #[test]
+    fn echoes_are_as_dense_as_noise() {
+        let density = |samples: &[f64]| {
+            let deviation =
+                (samples.iter().map(|s| s * s).sum::<f64>() / samples.len() as f64).sqrt();
+            let beyond = samples.iter().filter(|s| s.abs() > deviation).count();
+            beyond as f64 / samples.len() as f64 / 0.317
+        };
+        let out = response(&[1.5; BAND_COUNT], 0.6);
+        let left: Vec<f64> = out.iter().map(|pair| f64::from(pair[0])).collect();
+        let noise: Vec<f64> = (0..960)
+            .map(|index| {
+                let sum: f64 = (0..12).map(|k| unit_interval(hash(hash(k) ^ index))).sum();
+                sum - 6.0
+            })
+            .collect();
+        assert!((density(&noise) - 1.0).abs() < 0.1);
+        for window in left.chunks_exact(960).skip(10) {
+            assert!(density(window) > 0.8, "{}", density(window));
+        }
+    }
+
+    /// Protects the callback from clicks and from growing sound when the decay changes.
+    #[test]
+    fn the_decay_glides() {
+        let mut network = Network::new(&[0.5; BAND_COUNT], RATE_HZ);
+        let mut out = vec![[0.0; 2]; 24_000];
+        // Whole periods, so that the tone continues from call to call.
+        let step = 2.0 * std::f32::consts::PI * 200.0 / 24_000.0;
+        let tone: Vec<f32> = (0..24_000).map(|i| (i as f32 * step).sin()).collect();
+        network.add(&tone, &mut out);
+        let largest = |out: &[[f32; 2]]| {
+            let steps = out.windows(2).map(|pair| (pair[1][0] - pair[0][0]).abs());
+            steps.fold(0.0, f32::max)
+        };
+        let steady = largest(&out[12_000..]);
+        network.glide_to(&Absorption::new(&[0.2; BAND_COUNT], RATE_HZ));
+        let mut changed = vec![[0.0; 2]; 12_000];
+        network.add(&tone[..12_000], &mut changed);
+        assert!(
+            largest(&changed) < 1.1 * steady,
+            "{} {steady}",
+            largest(&changed)
+        );
+    }
+}

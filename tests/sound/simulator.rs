@@ -1,0 +1,147 @@
+//! The ears of a simulator: no allocations in the callback, silence before the first trace, levels, and no clicks.
+
+use crate::measures::largest_step;
+use assert_no_alloc::assert_no_alloc;
+use echomarch::audio::Sound;
+use echomarch::glam::{Quat, Vec3};
+use echomarch::simulator::{EarsSpec, Mix, Pose, Simulator, SimulatorSettings, SourceId};
+use echomarch::{Listener, Scene, Source};
+use std::time::{Duration, Instant};
+
+const RATE_HZ: u32 = 48_000;
+
+/// Maximum time to wait for the workers, many times what they take on a busy machine.
+const LONGEST: Duration = Duration::from_secs(120);
+
+fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !is_so() {
+        assert!(began.elapsed() < LONGEST, "{what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn simulator() -> Simulator {
+    Simulator::new(SimulatorSettings::default().with_waves(1024)).unwrap()
+}
+
+fn has_traces(simulator: &Simulator, id: SourceId, commit: u64) -> bool {
+    let heard = simulator.updates(id);
+    heard.is_some_and(|heard| heard.traces > 0 && heard.commit >= commit)
+}
+
+/// The next frames of a mix whose sources all play a tone of 200 Hz, without allocations. 480
+/// frames are whole periods.
+fn play(mix: &mut Mix, frames: usize) -> Vec<f32> {
+    let mut stereo = vec![f32::NAN; 2 * frames];
+    let step = std::f32::consts::TAU * 200.0 / RATE_HZ as f32;
+    for (number, block) in stereo.chunks_mut(2 * 480).enumerate() {
+        let mut at = 480 * number;
+        assert_no_alloc(|| {
+            mix.process(block, |_, mono| {
+                for sample in &mut *mono {
+                    *sample = (at as f32 * step).sin();
+                    at += 1;
+                }
+            });
+        });
+    }
+    stereo
+}
+
+fn loudest(stereo: &[f32]) -> f32 {
+    stereo
+        .iter()
+        .fold(0.0, |loudest, sample| loudest.max(sample.abs()))
+}
+
+/// Protects the audio callback and the level: a source in the open 2 m ahead is silent before it is traced, fades in
+/// without a click, then has half of its amplitude in the middle; turning the head moves it to the left ear; a removed
+/// source fades out. The callback allocates and frees no memory.
+#[test]
+fn a_source_fades_in_turns_and_fades_out() {
+    let mut simulator = simulator();
+    let mut mix = simulator
+        .mix(&EarsSpec::new(RATE_HZ).with_sources(2))
+        .unwrap();
+    assert_eq!(loudest(&play(&mut mix, 4800)), 0.0);
+    let id = simulator.add_source(Source::at([0.0, 0.0, -2.0])).unwrap();
+    let commit = simulator.commit();
+    wait_until("a trace", || has_traces(&simulator, id, commit));
+    let mut heard = Vec::new();
+    wait_until("sound", || {
+        heard.extend(play(&mut mix, 480));
+        loudest(&heard) > 0.0
+    });
+    heard.extend(play(&mut mix, 9600));
+    let middle = 0.5 * std::f32::consts::FRAC_1_SQRT_2;
+    let last = &heard[heard.len() - 9600..];
+    assert!(
+        (loudest(last) / middle - 1.0).abs() < 0.02,
+        "{}",
+        loudest(last)
+    );
+    // The largest step of the tone is 2.6 % of its amplitude.
+    let left: Vec<f32> = heard.iter().step_by(2).copied().collect();
+    assert!(largest_step(&left) < 0.035 * middle);
+    let right = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    simulator
+        .place_listener(Pose::at(Vec3::ZERO).turned(right))
+        .unwrap();
+    let commit = simulator.commit();
+    wait_until("another commit", || has_traces(&simulator, id, commit));
+    let mut last = Vec::new();
+    wait_until("sound at the left ear", || {
+        last = play(&mut mix, 4800);
+        let right: Vec<f32> = last.iter().skip(1).step_by(2).copied().collect();
+        loudest(&right[4000..]) < 0.01
+    });
+    assert!((loudest(&last[8000..]) / 0.5 - 1.0).abs() < 0.02);
+    simulator.remove_source(id).unwrap();
+    simulator.commit();
+    wait_until("silence", || loudest(&play(&mut mix, 4800)) == 0.0);
+    assert_eq!(mix.source_count(), 0);
+}
+
+/// Protects the reverberation: in a room, the sound goes on after the source has stopped, and its level falls by 60 dB
+/// in the stated decay time, to 10 %.
+#[test]
+fn a_room_goes_on_to_sound() {
+    let mut simulator = simulator();
+    let source = Source::at([-2.0, 0.0, -1.5]);
+    let listener = Listener::at([2.0, -0.3, 1.5], 0.3);
+    let scene = Scene::shoebox([8.0, 3.0, 5.0], &[[0.15; 8]; 6], source, listener);
+    let id = simulator.add_scene(&scene).unwrap().sources[0];
+    let mut ears = simulator.ears(id, &EarsSpec::new(RATE_HZ)).unwrap();
+    simulator.commit();
+    wait_until("four traces", || {
+        simulator.updates(id).is_some_and(|heard| heard.traces >= 4)
+    });
+    let decay_s = simulator.updates(id).unwrap().reverb.decay_s[5];
+    let mut noise = vec![0.0; 48_000];
+    Sound::parse("noise", RATE_HZ).unwrap().fill(&mut noise);
+    let mut stereo = vec![0.0; 2 * noise.len()];
+    let rms = |stereo: &[f32]| -> f64 {
+        let squares = stereo.iter().map(|s| f64::from(*s).powi(2));
+        (squares.sum::<f64>() / stereo.len() as f64).sqrt()
+    };
+    for _ in 0..2 {
+        assert_no_alloc(|| ears.process(&noise, &mut stereo)).unwrap();
+    }
+    assert!(rms(&stereo[48_000..]) > 0.01);
+    let silence = vec![0.0; noise.len()];
+    assert_no_alloc(|| ears.process(&silence, &mut stereo)).unwrap();
+    // From 0.1 to 0.1 s + half of the decay time.
+    let window = 4800;
+    let level = |seconds: f64| {
+        let first = 2 * (seconds * f64::from(RATE_HZ)) as usize;
+        20.0 * rms(&stereo[first..first + window]).log10()
+    };
+    let half_s = (0.5 * decay_s).min(0.7);
+    let fall_db = level(0.1) - level(0.1 + half_s);
+    let expected_db = 60.0 * half_s / decay_s;
+    assert!(
+        (fall_db / expected_db - 1.0).abs() < 0.1,
+        "{fall_db} dB, not {expected_db}"
+    );
+}
