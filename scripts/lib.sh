@@ -152,7 +152,7 @@ provide_packages() {
 # The command that installs a cargo subcommand.
 how_to_install_cargo() {
     case "$1" in
-        deny | mutants) echo "cargo install --locked cargo-$1" ;;
+        deb | deny | mutants) echo "cargo install --locked cargo-$1" ;;
         *) echo "rustup component add rustfmt clippy" ;;
     esac
 }

@@ -56,7 +56,7 @@ source scripts/lib.sh
 readonly WORK="$PWD/target/site"
 readonly SOURCE="$WORK/source"
 readonly EXTRA="$WORK/extra"
-readonly -a TOOLS=(sphinx==9.0.4 myst-parser==5.1.0 furo==2025.12.19)
+readonly -a TOOLS=(sphinx==9.0.4 myst-parser==5.2.0 furo==2025.12.19)
 out="${out:-$WORK/html}"
 
 # The folder for which Sphinx runs has the layout of the repository, with the pages of docs/site at its root.
@@ -64,9 +64,10 @@ stage() {
     local name
     rm -rf "$SOURCE"
     mkdir -p "$SOURCE"
-    for name in *; do
-        [[ "$name" == target || "$name" == docs ]] || ln -s "$PWD/$name" "$SOURCE/$name"
+    for name in * .github; do
+        [[ "$name" == target || "$name" == docs || "$name" == *.md ]] || ln -s "$PWD/$name" "$SOURCE/$name"
     done
+    cp ./*.md "$SOURCE"
     cp -R docs "$SOURCE/docs"
     rm -rf "$SOURCE/docs/site"
     cp -R docs/site/. "$SOURCE"
