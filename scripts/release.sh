@@ -52,28 +52,14 @@ source scripts/lib.sh
 readonly -a PUBLISHED=(echomarch echomarch-lab echomarch-walk echomarch-window echomarch-cli)
 built="$(realpath -m "${CARGO_TARGET_DIR:-target}")"
 readonly BUILT="$built/release"
-# The manuals and completions. apps/cli/Cargo.toml names this folder for the Debian package.
-readonly SHARE="$BUILT/share"
 version="$(cargo metadata --locked --no-deps --format-version 1 |
     python3 -c 'import json, sys; print(next(p["version"] for p in json.load(sys.stdin)["packages"] if p["name"] == "echomarch-cli"))')"
-target="$(rustc -vV | sed -n 's/^host: //p')"
-readonly NAME="echomarch-$version-$target"
 
 if [[ -e "$out" && -n "$(ls -A "$out")" ]]; then
     complain "$out is not empty: name a new or an empty folder"
     exit 2
 fi
 mkdir -p "$out"
-
-# All files of an archive have the time of the commit, so that equal contents give equal archives.
-moment="$(git log -1 --format=%ct 2>/dev/null || echo 0)"
-export SOURCE_DATE_EPOCH="$moment"
-
-# Packs the folder $2 in the folder $1 as $3.tar.gz.
-pack() {
-    tar -C "$1" --sort=name --mtime="@$SOURCE_DATE_EPOCH" --owner=0 --group=0 --numeric-owner -cf - "$2" |
-        gzip -9n >"$out/$3.tar.gz"
-}
 
 # The section of CHANGELOG.md about this version; the unreleased one if there is none yet.
 release_notes() {
@@ -135,34 +121,6 @@ make_crates() {
     done
 }
 
-make_program() {
-    run cargo build --release --locked -p echomarch-cli
-    rm -rf "$SHARE"
-    mkdir -p "$SHARE"/{man/man1,bash-completion/completions,fish/vendor_completions.d,zsh/vendor-completions}
-    "$BUILT/echomarch" man -o "$SHARE/man/man1"
-    "$BUILT/echomarch" completions bash >"$SHARE/bash-completion/completions/echomarch"
-    "$BUILT/echomarch" completions fish >"$SHARE/fish/vendor_completions.d/echomarch.fish"
-    "$BUILT/echomarch" completions zsh >"$SHARE/zsh/vendor-completions/_echomarch"
-}
-
-# The newest version of glibc that the program needs.
-glibc() {
-    grep -aoE 'GLIBC_2\.[0-9]+' "$BUILT/echomarch" | sed 's/GLIBC_//' | sort -Vu | tail -n 1
-}
-
-make_archive() {
-    local stage
-    stage="$(mktemp -d)"
-    mkdir -p "$stage/$NAME/bin" "$stage/$NAME/examples"
-    cp "$BUILT/echomarch" "$stage/$NAME/bin"
-    cp -R "$SHARE" "$stage/$NAME"
-    cp LICENSE-MIT LICENSE-APACHE CHANGELOG.md "$stage/$NAME"
-    cp -R examples/scenes "$stage/$NAME/examples"
-    sed "s/GLIBC/$(glibc)/" packaging/INSTALL.md >"$stage/$NAME/INSTALL.md"
-    pack "$stage" "$NAME" "$NAME"
-    rm -rf "$stage"
-}
-
 make_debian_package() {
     if ! cargo deb --version >/dev/null 2>&1; then
         complain "the Debian package is left out: $(how_to_install_cargo deb)"
@@ -176,10 +134,10 @@ make_page_and_site() {
     mkdir -p target/release-site
     run scripts/browser.sh -o "$PWD/target/page"
     cp -R target/page "target/release-site/echomarch-page-$version"
-    pack target/release-site "echomarch-page-$version" "echomarch-page-$version"
+    pack target/release-site "echomarch-page-$version" "$out/echomarch-page-$version.tar.gz"
     ECHOMARCH="$BUILT/echomarch" run scripts/site.sh --page target/page \
         -o "$PWD/target/release-site/echomarch-site-$version"
-    pack target/release-site "echomarch-site-$version" "echomarch-site-$version"
+    pack target/release-site "echomarch-site-$version" "$out/echomarch-site-$version.tar.gz"
     rm -rf target/release-site
 }
 
@@ -198,8 +156,7 @@ try_container() {
 need_cargo build
 check_versions
 check_interface
-make_program
-make_archive
+run scripts/archive.sh -o "$out"
 make_debian_package
 run scripts/wheel.sh -o "$out"
 make_page_and_site
