@@ -1,6 +1,6 @@
 """Why the decay times of Echomarch and pyroomacoustics differ in the rooms of measure.py.
 
-    python decay_models.py [--rays N] [--rounds N]
+    python decay_models.py [--rays N] [--rounds N] [--quick]
 
 Two references that share no code with either program: image sources of the shoebox, and rays through a room with
 vertical walls, written here with NumPy. The rays are scattered by one of two models:
@@ -144,6 +144,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rays", type=int, default=50_000)
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--quick", action="store_true", help="only the shoebox and the L, and few rays of pyroomacoustics")
     given = parser.parse_args()
     shoebox = measure.ROOMS["shoebox"]
     (width, depth), height = shoebox.outline[2], shoebox.height
@@ -152,7 +153,7 @@ def main():
     twice = np.where(orders == measure.ORDER, 2, 1) * energies
     print(f"shoebox: image sources {t30(times, energies):.3f} s", end="; ")
     print(f"with order {measure.ORDER} counted twice {t30(times, twice):.3f} s", flush=True)
-    for name in ("L", "10 × 10"):
+    for name in ("L",) if given.quick else ("L", "10 × 10"):
         room = measure.ROOMS[name]
         pairs = list(zip(room.sources, room.listeners))[:: 4 if len(room.sources) > 1 else 1]
         for model in ("chance", "blend"):
@@ -161,7 +162,7 @@ def main():
             print(f"{name}, {model}: {np.mean(found):.3f} ± {np.std(found) / len(found) ** 0.5:.3f} s", flush=True)
         print(f"{name}, Eyring: {eyring(room):.3f} s")
     try:
-        for count in (4_096, 32_768, 262_144):
+        for count in (4_096,) if given.quick else (4_096, 32_768, 262_144):
             late, samples = tail_of_pyroomacoustics(measure.ROOMS["L"], count)
             print(f"L, pyroomacoustics, {count} rays: late energy {late:.3f}, of the samples {samples:.2f} times this")
     except ImportError:

@@ -8,7 +8,8 @@ rays. It thus contains the spread over the seeds and the bias of few rays. Both 
 the same order. Echomarch: T30 of `figures` at 1 kHz. pyroomacoustics: `measure_rt60(decay_db=30)` of its impulse
 responses at 16 kHz; absorption does not depend on frequency. No place is on an axis of symmetry: there, reflections
 arrive at the same time, and pyroomacoustics adds their pressures instead of their energies. The times are medians: in a
-warm process, and of a whole process with the import and the first response.
+warm process, also the time of all its threads on processor cores, and of a whole process with the import and the first
+response.
 """
 
 import argparse
@@ -133,17 +134,19 @@ def converged(program, room):
 
 
 def tried(program, room, count, rounds, true):
-    """Relative error of T30 over seeds, mean T30, and median seconds."""
-    times, seconds = [], []
+    """Relative error of T30 over seeds, mean T30, median seconds, and median seconds of all threads."""
+    times, seconds, busy = [], [], []
     for seed in range(1, rounds + 1):
-        begin = time.perf_counter()
+        begin, begin_busy = time.perf_counter(), time.process_time()
         times.append(PROGRAMS[program](room, count, seed))
         seconds.append(time.perf_counter() - begin)
+        busy.append(time.process_time() - begin_busy)
     times = np.array(times)
+    medians = statistics.median(seconds), statistics.median(busy)
     if np.isnan(times).any():
-        return np.inf, np.nan, statistics.median(seconds)
+        return np.inf, np.nan, *medians
     error = np.sqrt(np.mean((times / true - 1.0) ** 2))
-    return error, times.mean(), statistics.median(seconds)
+    return error, times.mean(), *medians
 
 
 def whole_process(program, name, count, rounds):
@@ -164,13 +167,15 @@ def measure(name, error, rounds, least=LEAST):
         PROGRAMS[program](room, least, 1)
         true, count = converged(program, room), least
         while True:
-            found, t30, seconds = tried(program, room, count, rounds, true)
-            print(f"{name}, {program}: {count}: {found:.2%}, T30 {t30:.3f} s, {seconds:.3f} s", file=sys.stderr)
+            found, t30, seconds, busy = tried(program, room, count, rounds, true)
+            shown = f"{found:.2%}, T30 {t30:.3f} s, {seconds:.3f} s, threads {busy:.3f} s"
+            print(f"{name}, {program}: {count}: {shown}", file=sys.stderr, flush=True)
             if found <= error or count >= MOST:
                 break
             count *= 2
         process = whole_process(program, name, count, min(rounds, 3))
-        rows[program] = {"count": count, "error": found, "t30": float(np.mean(true)), "seconds": seconds, "process": process}
+        times = {"seconds": seconds, "busy": busy, "process": process}
+        rows[program] = {"count": count, "error": found, "t30": float(np.mean(true)), **times}
     return rows
 
 
@@ -182,18 +187,18 @@ def markdown(all_rows, error, cores):
         f"echomarch {em.__version__} on {em.renderer()}, pyroomacoustics {pra.__version__}, {cores} core(s). "
         f"T30 with an error of at most {error:.1%}.",
         "",
-        "| room | program | waves or rays | error | converged T30 | warm | whole process |",
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: |",
+        "| room | program | waves or rays | error | converged T30 | warm | threads | whole process |",
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for name, rows in all_rows.items():
         for program, row in rows.items():
             lines.append(
                 f"| {name} | {program} | {row['count']:,} | {row['error']:.2%} | {row['t30']:.3f} s "
-                f"| {row['seconds']:.3f} s | {row['process']:.2f} s |"
+                f"| {row['seconds']:.3f} s | {row['busy']:.3f} s | {row['process']:.2f} s |"
             )
         ours, theirs = rows["echomarch"], rows["pyroomacoustics"]
-        ratios = (theirs[key] / ours[key] for key in ("seconds", "process"))
-        lines.append("| {} | **times as fast** | | | | **{:.1f}** | **{:.1f}** |".format(name, *ratios))
+        ratios = (theirs[key] / ours[key] for key in ("seconds", "busy", "process"))
+        lines.append("| {} | **times as fast** | | | | **{:.1f}** | **{:.1f}** | **{:.1f}** |".format(name, *ratios))
     return "\n".join(lines) + "\n"
 
 
