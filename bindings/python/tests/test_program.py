@@ -80,7 +80,7 @@ def assert_equals(r, pair):
 )
 def test_all_pairs_of_a_scene_equal_the_programs(figures_of, room, tmp_path, arguments, settings):
     """Protects many pairs: listeners traced together have the program's digits, in this process and in others."""
-    room.add_source("piano", (1, 0.2, 1), gain_db=-6)
+    room.add_source("piano", (1, 0.2, 1), level_db=-6)
     room.add_listener("balcony", (-3, 0.8, 2), radius=0.5)
     room.add_listener("door", (3.5, 0, -2))
     file = tmp_path / "room.ron"
