@@ -100,7 +100,7 @@ def _here(group: _Group, given: Dict[str, Any], done: "_Done") -> List[Response]
             done.add(finished)
 
     found = traced(group.scene, group.source, group.listeners, given, on_round)
-    # Without an accuracy there are no rounds.
+    # Rounds are reported only if an accuracy is requested.
     rest = before + len(found) - done.count
     if rest > 0:
         done.add(rest)
