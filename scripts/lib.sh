@@ -152,7 +152,7 @@ provide_packages() {
 # The command that installs a cargo subcommand.
 how_to_install_cargo() {
     case "$1" in
-        deny | mutants) echo "cargo install --locked cargo-$1" ;;
+        deb | deny | mutants) echo "cargo install --locked cargo-$1" ;;
         *) echo "rustup component add rustfmt clippy" ;;
     esac
 }
@@ -171,6 +171,14 @@ need_cargo() {
         fi
     done
     cargo --version
+}
+
+# Packs the folder $2 of the folder $1 as the file $3. All files have the time of the last commit, so that equal contents
+# give equal archives.
+pack() {
+    local moment
+    moment="$(git log -1 --format=%ct 2>/dev/null || echo 0)"
+    tar -C "$1" --sort=name --mtime="@$moment" --owner=0 --group=0 --numeric-owner -cf - "$2" | gzip -9n >"$3"
 }
 
 # Prints a command, then runs it.

@@ -40,7 +40,7 @@ def with_pyroomacoustics(absorption):
         import pyroomacoustics as pra
     except ImportError:
         return None
-    np.random.seed(1)
+    pra.random.seed(1)
     material = pra.Material(absorption)
     room = pra.ShoeBox(SIZE_M, fs=RATE_HZ, materials=material, max_order=3, ray_tracing=True)
     room.add_source(SOURCE)

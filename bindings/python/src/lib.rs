@@ -23,7 +23,7 @@ fn _echomarch(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<response::Heard>()?;
     module.add_class::<study::Study>()?;
-    module.add_function(wrap_pyfunction!(response::response, module)?)?;
+    module.add_function(wrap_pyfunction!(response::responses, module)?)?;
     module.add_function(wrap_pyfunction!(trace::trace, module)?)?;
     module.add_function(wrap_pyfunction!(worker::choose_renderer, module)?)?;
     module.add_function(wrap_pyfunction!(worker::choose_field_trial, module)?)?;

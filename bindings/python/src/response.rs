@@ -45,8 +45,10 @@ pub struct Heard {
     surfaces: Vec<Vec<String>>,
 }
 
-/// A round of a response with a requested accuracy.
+/// A round of responses with a requested accuracy.
 struct Progress {
+    /// Number of listeners whose responses are complete after this round.
+    finished: usize,
     waves: u32,
     next_waves: Option<u32>,
     /// Number of figures that have the accuracy, and number of figures that are defined.
@@ -64,13 +66,10 @@ impl Progress {
                 .filter_map(move |(band, figure)| figures.is_accurate(accuracy, band, figure))
         };
         let defined: Vec<bool> = round.responses.iter().flat_map(of_response).collect();
+        let waves = round.responses.iter().map(|one| one.waves);
         Progress {
-            waves: round
-                .responses
-                .iter()
-                .map(|one| one.waves)
-                .max()
-                .unwrap_or(0),
+            finished: round.finished,
+            waves: waves.max().unwrap_or(0),
             next_waves: round.next_waves,
             accurate: defined.iter().filter(|is_accurate| **is_accurate).count(),
             defined: defined.len(),
@@ -129,37 +128,46 @@ fn of_text(error: impl Into<Error>) -> PyErr {
     errors::from(error)
 }
 
-/// Traces the response of a pair, given by the indices of source and listener. `progress` receives the number of waves
-/// of each round, that of the next round, the number of accurate figures, and the number of defined figures.
+/// Traces the responses of a source at several listeners, given by their indices. One trace of the source serves all
+/// listeners. `progress` receives the number of listeners that each round completes, the number of waves of the round
+/// and of the next round, the number of accurate figures, and the number of defined figures.
 #[pyfunction]
-pub fn response(
+pub fn responses(
     py: Python,
     scene: &Scene,
     source: usize,
-    listener: usize,
+    listeners: Vec<usize>,
     given: &Bound<PyDict>,
     progress: Option<Bound<PyAny>>,
-) -> PyResult<Heard> {
+) -> PyResult<Vec<Heard>> {
     let settings = settings(given)?;
-    scene.pair(source, listener)?;
+    for listener in &listeners {
+        scene.pair(source, *listener)?;
+    }
     let share = settings.accuracy.map(|accuracy| accuracy.share);
     let scene = scene.inner.clone();
     let job = move |tracer: &mut Tracer, observer: &Observer<Progress>| {
-        let pair = scene.pair(source, listener)?;
-        let response = Response::trace_observed(tracer, pair, &settings, &mut |round| {
-            observer.report(Progress::of(&round, share.unwrap_or_default()));
-        })?;
-        Ok(Heard::new(pair, response, tracer, &settings))
+        let pairs = listeners.iter();
+        let pairs = pairs.map(|listener| scene.pair(source, *listener));
+        let pairs = pairs.collect::<Result<Vec<Pair>, _>>()?;
+        let mut observe =
+            |round: Round| observer.report(Progress::of(&round, share.unwrap_or_default()));
+        let traced = Response::trace_pairs_observed(tracer, &pairs, &settings, &mut observe)?;
+        let heard = pairs.into_iter().zip(traced);
+        let heard = heard.map(|(pair, response)| Heard::new(pair, response, tracer, &settings));
+        Ok(heard.collect())
     };
     worker::run(py, job, |round| match &progress {
         Some(call) => {
             let Progress {
+                finished,
                 waves,
                 next_waves,
                 accurate,
                 defined,
             } = round;
-            call.call1((waves, next_waves, accurate, defined)).map(drop)
+            let numbers = (finished, waves, next_waves, accurate, defined);
+            call.call1(numbers).map(drop)
         }
         None => Ok(()),
     })

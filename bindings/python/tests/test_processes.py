@@ -125,6 +125,30 @@ def test_workers_give_the_results_of_one_process(room):
     np.testing.assert_array_equal(one[1].ir(), two[1].ir())
 
 
+def test_items_are_grouped_by_scene_and_source(room):
+    """Protects the order of results, and progress: the items of a source may lie apart, and a copy is another scene."""
+    room.add_source("piano", (0, 0, -2))
+    room.add_listener("door", (3, 0, 1))
+    alone = em.response(room, "piano", "seat", seed=3, **CHEAP)
+    items = [(room, "talker", "seat"), (room, "piano", "seat"), (room, "talker", 2), (room.copy(), "talker", 1)]
+    counts = []
+    found = em.responses(iter(items), seed=3, progress=counts.append, **CHEAP)
+    assert [(r.source, r.listener) for r in found] == [
+        ("talker", "seat"), ("piano", "seat"), ("talker", "door"), ("talker", "seat")
+    ]
+    assert counts == [2, 3, 4]
+    assert found[1] == alone, "a single listener of a source is traced as by response()"
+    assert found[0] != found[3], "listeners that share waves have other random numbers"
+    counts.clear()
+    accurate = em.responses(room.pairs(), accuracy=0.02, progress=counts.append)
+    assert counts[-1] == 4 and counts == sorted(set(counts)) and len(accurate) == 4
+    assert em.responses([]) == []
+    with pytest.raises(em.SettingsError, match="fast"):
+        em.responses(room.pairs(), profile="fast")
+    with pytest.raises(em.SettingsError, match="no setting \"wave\""):
+        em.responses(room.pairs(), wave=2)
+
+
 def test_a_script_needs_no_guard_for_workers(python):
     """Protects scripts and notebooks: workers do not run the script again."""
     done = python("import echomarch as em\nprint('once')\nrooms = [em.Scene('shoebox'), em.Scene('corner')]\nprint(len(em.responses(rooms, workers=2, waves=1024, seconds=0.1)))\n")

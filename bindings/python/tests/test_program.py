@@ -48,22 +48,50 @@ def or_nan(numbers):
 )
 def test_figures_and_paths_equal_the_programs(figures_of, scene, arguments, settings):
     """Protects every figure, every error and every path: the same settings and seed give the same digits."""
-    # The program traces listeners of one source together, with other random numbers than a pair alone.
     for item in em.Scene(scene).pairs():
         report = figures_of(scene, "--source", item[1], "--listener", item[2], *arguments)
         [pair] = report["pairs"]
         r = em.response(*item, **settings)
-        assert (r.source, r.listener, r.renderer) == (pair["source"], pair["listener"], report["renderer"])
-        assert (r.waves, r.seconds) == (pair["waves"], pair["seconds"])
-        for name, column in zip(em._echomarch.FIGURES, em.FIGURES):
-            np.testing.assert_array_equal(r.figures[column], or_nan(pair[name]), err_msg=name)
-            np.testing.assert_array_equal(r.figures[column + "_error"], or_nan(pair["error"][name]), err_msg=name)
-        assert list(r.paths["kind"]) == [path["kind"] for path in pair["paths"]]
-        for name, column in (("delay_s", "delay_s"), ("order", "order"), ("azimuth_deg", "azimuth_deg")):
-            np.testing.assert_array_equal(r.paths[column], [path[name] for path in pair["paths"]], err_msg=name)
-        np.testing.assert_array_equal(r.paths["g_db"], or_nan(path["g_db"] for path in pair["paths"]))
-        assert r.left_out_share == pair["left_out_share"]
-        np.testing.assert_array_equal(r.cut_off, or_nan(pair["cut_off"]))
+        assert r.renderer == report["renderer"]
+        assert_equals(r, pair)
+
+
+def assert_equals(r, pair):
+    """Assert that a response has the digits of the program's JSON."""
+    assert (r.source, r.listener) == (pair["source"], pair["listener"])
+    assert (r.waves, r.seconds) == (pair["waves"], pair["seconds"])
+    for name, column in zip(em._echomarch.FIGURES, em.FIGURES):
+        np.testing.assert_array_equal(r.figures[column], or_nan(pair[name]), err_msg=name)
+        np.testing.assert_array_equal(r.figures[column + "_error"], or_nan(pair["error"][name]), err_msg=name)
+    assert list(r.paths["kind"]) == [path["kind"] for path in pair["paths"]]
+    for name in ("delay_s", "order", "azimuth_deg"):
+        np.testing.assert_array_equal(r.paths[name], [path[name] for path in pair["paths"]], err_msg=name)
+    np.testing.assert_array_equal(r.paths["g_db"], or_nan(path["g_db"] for path in pair["paths"]))
+    assert r.left_out_share == pair["left_out_share"]
+    np.testing.assert_array_equal(r.cut_off, or_nan(pair["cut_off"]))
+
+
+@pytest.mark.parametrize(
+    "arguments, settings",
+    [
+        (["--waves", "4096", "--seconds", "0.3"], {"waves": 4096, "seconds": 0.3}),
+        (["--accuracy", "2%", "--seed", "5"], {"accuracy": 0.02, "seed": 5}),
+    ],
+)
+def test_all_pairs_of_a_scene_equal_the_programs(figures_of, room, tmp_path, arguments, settings):
+    """Protects many pairs: listeners traced together have the program's digits, in this process and in others."""
+    room.add_source("piano", (1, 0.2, 1), level_db=-6)
+    room.add_listener("balcony", (-3, 0.8, 2), radius=0.5)
+    room.add_listener("door", (3.5, 0, -2))
+    file = tmp_path / "room.ron"
+    room.save(file)
+    expected = figures_of(file, *arguments)["pairs"]
+    scene = em.Scene(file)
+    found = em.responses(scene.pairs(), **settings)
+    assert len(found) == len(expected) == 6
+    for r, pair in zip(found, expected):
+        assert_equals(r, pair)
+    assert em.responses(scene.pairs(), workers=2, **settings) == found
 
 
 def test_a_scene_made_in_python_equals_its_file(figures_of, room, tmp_path):

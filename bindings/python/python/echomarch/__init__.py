@@ -35,10 +35,10 @@ from ._material import Material, builtin_materials
 from ._progress import Progress
 from ._renderer import renderer, use_renderer
 from ._response import BANDS_HZ, FIGURES, Response, response
+from ._responses import responses
 from ._scene import WALLS, Scene
 from ._study import Study
 from ._trace import Frame, trace
-from ._workers import responses
 
 __all__ = [
     "BANDS_HZ",

@@ -80,13 +80,13 @@ class Study:
     ) -> None: ...
     def join(self, folder: str) -> List[str]: ...
 
-def response(
+def responses(
     scene: Scene,
     source: int,
-    listener: int,
+    listeners: List[int],
     given: Dict[str, Any],
-    progress: Optional[Callable[..., Any]],
-) -> Heard: ...
+    progress: Optional[Callable[[int, int, Optional[int], int, int], Any]],
+) -> List[Heard]: ...
 def trace(
     scene: Scene,
     source: int,

@@ -29,6 +29,9 @@ class Progress(NamedTuple):
 
 AnyProgress = Union[None, bool, Callable[[Any], Any]]
 
+OnRound = Optional[Callable[[int, int, Optional[int], int, int], Any]]
+"""Receives the number of listeners that a round completes, and the numbers of a :class:`Progress`."""
+
 
 def is_notebook() -> bool:
     """Whether this code runs in a notebook, which can show a bar."""
@@ -59,15 +62,15 @@ class Bar:
             self._handle.update(bar)
 
 
-def of_rounds(progress: AnyProgress, label: str) -> Optional[Callable[[int, Optional[int], int, int], None]]:
+def of_rounds(progress: AnyProgress, label: str) -> OnRound:
     """Return the function that the extension module calls after each round; None for no progress."""
     if callable(progress):
-        return lambda *numbers: progress(Progress(*numbers))
+        return lambda _, *numbers: progress(Progress(*numbers))
     bar = of_counts(progress, label)
     if bar is None:
         return None
 
-    def show(*numbers: Any) -> None:
+    def show(_: int, *numbers: Any) -> None:
         done = Progress(*numbers)
         bar.show(done.share, f"{done.waves} waves")
 

@@ -120,23 +120,44 @@ def response(
     KeyboardInterrupt
         Within 50 ms of Ctrl+C. The interrupted round ends in the background.
     """
-    given = {
-        "accuracy": _DEFAULT_ACCURACY if accuracy is None and waves is None else accuracy,
-        "waves": waves,
-        "seed": seed,
-        "seconds": seconds,
-        "order": order,
-        "diffraction": diffraction,
-        "transmission": transmission,
-        "profile": profile,
-        "directions": directions,
-        "time_limit": time_limit,
-    }
-    if time_limit is not None and given["accuracy"] is None:
-        raise SettingsError("time_limit needs accuracy: without it, exactly the given number of waves is traced")
-    pair = scene._pair(source, listener)
+    given = settings_of_response(
+        accuracy=accuracy,
+        waves=waves,
+        seed=seed,
+        seconds=seconds,
+        order=order,
+        diffraction=diffraction,
+        transmission=transmission,
+        profile=profile,
+        directions=directions,
+        time_limit=time_limit,
+    )
+    source_index, listener_index = scene._pair(source, listener)
     show = _progress.of_rounds(progress, scene.name)
-    return Response(_echomarch.response(scene._raw, *pair, given, show), scene.axes)
+    return traced(scene, source_index, [listener_index], given, show)[0]
+
+
+def settings_of_response(
+    *,
+    accuracy: Optional[float] = None,
+    waves: Optional[int] = None,
+    time_limit: Optional[float] = None,
+    **others: Any,
+) -> Dict[str, Any]:
+    """Return the settings that the extension module takes, by their names."""
+    if accuracy is None and waves is None:
+        accuracy = _DEFAULT_ACCURACY
+    if time_limit is not None and accuracy is None:
+        raise SettingsError("time_limit needs accuracy: without it, exactly the given number of waves is traced")
+    return {"accuracy": accuracy, "waves": waves, "time_limit": time_limit, **others}
+
+
+def traced(
+    scene: "Scene", source: int, listeners: List[int], given: Dict[str, Any], on_round: _progress.OnRound = None
+) -> List["Response"]:
+    """Trace a source at several listeners, given by their indices. One trace of the source serves all listeners."""
+    heard = _echomarch.responses(scene._raw, source, listeners, given, on_round)
+    return [Response(one, scene.axes) for one in heard]
 
 
 class Response:
@@ -159,7 +180,7 @@ class Response:
     seconds : float
         Length of the record in s after the source's impulse.
     milliseconds : float
-        Time of the computation in ms.
+        Time of the computation in ms; that of all listeners of the source if they were traced together.
     time_origin_s : float
         Time origin of the figures in s after the source's impulse; NaN if nothing arrives.
     """

@@ -82,7 +82,8 @@ class Study:
         bar = None if callable(progress) else _progress.of_counts(progress, self.name)
         if workers > 1 and shards > 1:
             tasks = [("study", self._file, shard, shards, folder) for shard in range(1, shards + 1)]
-            _workers.run(tasks, workers, self._shown(progress, bar, shards, 0))
+            show_shards = self._shown(progress, bar, shards, 0)
+            _workers.run(tasks, workers, lambda number, _: show_shards(number))
         else:
             done = 0
             for shard in range(1, shards + 1):

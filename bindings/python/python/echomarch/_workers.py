@@ -15,14 +15,11 @@ import struct
 import subprocess
 import sys
 import threading
-from typing import IO, TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import IO, Any, Dict, List, Optional, Sequence, Tuple
 
-from . import _progress, _renderer
-from ._errors import SettingsError, WorkerError
-from ._response import Response, response
-
-if TYPE_CHECKING:
-    from ._scene import Scene
+from . import _renderer
+from ._errors import WorkerError
+from ._response import traced
 
 MAIN = "import sys, json; sys.path[:] = json.loads(sys.argv[1]); from echomarch._workers import main; main()"
 
@@ -30,8 +27,6 @@ _LENGTH = struct.Struct("<Q")
 
 THREADS = ("LP_NUM_THREADS", "RAYON_NUM_THREADS")
 """The environment variables that set the number of threads of llvmpipe and of the library."""
-
-Item = Union["Scene", Tuple["Scene", Union[str, int, None], Union[str, int, None]]]
 
 
 def send(stream: IO[bytes], message: Any) -> None:
@@ -110,7 +105,8 @@ class Worker:
 def run(tasks: Sequence[Tuple[Any, ...]], workers: int, on_done: Any = None) -> List[Any]:
     """Do tasks in worker processes, and return the results in the order of the tasks.
 
-    The first exception ends all workers. `on_done` receives the number of completed tasks, on the calling thread.
+    The first exception ends all workers. `on_done` receives the number of completed tasks and the result of the last one,
+    on the calling thread.
     """
     waiting: "queue.Queue[int]" = queue.Queue()
     for index in range(len(tasks)):
@@ -143,66 +139,11 @@ def run(tasks: Sequence[Tuple[Any, ...]], workers: int, on_done: Any = None) -> 
                 raise result
             results[index] = result
             if on_done is not None:
-                on_done(number + 1)
+                on_done(number + 1, result)
     finally:
         for worker in started:
             worker.end()
     return results
-
-
-def responses(
-    items: Iterable[Item],
-    workers: int = 1,
-    *,
-    progress: _progress.AnyProgress = None,
-    **settings: Any,
-) -> List[Response]:
-    """Trace many responses, in the order of the items.
-
-    Parameters
-    ----------
-    items : iterable of Scene, or of (Scene, source, listener)
-        :meth:`Scene.pairs` lists all pairs of a scene.
-    workers : int
-        Number of processes, each with its own OpenGL context and an equal share of the processor cores. With 1 the
-        responses are traced in this process. The results do not depend on the number.
-    progress : callable, bool or None
-        A function that receives the number of completed responses; True, False and None as in :func:`response`.
-    **settings
-        The keyword arguments of :func:`response`.
-
-    Returns
-    -------
-    list of Response
-
-    Raises
-    ------
-    WorkerError
-        A worker process ended without a result.
-    """
-    if workers < 1:
-        raise SettingsError(f"workers must be 1 or more, not {workers}")
-    chosen = [item if isinstance(item, tuple) else (item, None, None) for item in items]
-    on_done = _on_done(progress, len(chosen))
-    if workers > 1 and len(chosen) > 1:
-        return run([("response", item, settings) for item in chosen], workers, on_done)
-    results: List[Response] = []
-    for item in chosen:
-        results.append(_response(item, settings))
-        if on_done is not None:
-            on_done(len(results))
-    return results
-
-
-def _on_done(progress: _progress.AnyProgress, count: int) -> Any:
-    if callable(progress):
-        return progress
-    bar = _progress.of_counts(progress, "responses")
-    return None if bar is None else lambda done: bar.show(done / count, f"{done} of {count}")
-
-
-def _response(item: Tuple[Any, ...], settings: Dict[str, Any]) -> Response:
-    return response(*item, progress=False, **settings)
 
 
 def _study_shard(file: str, shard: int, of: int, folder: str) -> None:
@@ -211,7 +152,7 @@ def _study_shard(file: str, shard: int, of: int, folder: str) -> None:
     Study(file).compute(shard, of, folder, None)
 
 
-TASKS: Dict[str, Any] = {"response": _response, "study": _study_shard}
+TASKS: Dict[str, Any] = {"responses": traced, "study": _study_shard}
 
 
 def main() -> None:
