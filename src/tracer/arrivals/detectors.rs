@@ -1,8 +1,8 @@
 //! Detectors: the spheres in which the crossings of waves are counted. All detectors of a source share its waves.
 
-use super::open_volume;
+use super::volume::{Limits, NO_LIMITS, open_volume};
 use crate::scene::{Listener, Scene};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 /// Maximum number of detectors of a pass. Each has one to six vectors among the uniforms.
 pub(crate) const MOST_DETECTORS: usize = 64;
@@ -12,15 +12,6 @@ const FEW_DETECTORS: usize = 8;
 
 /// Number of uniform vectors from which on a pass has [`MOST_DETECTORS`].
 const ENOUGH_VECTORS: u32 = 1024;
-
-/// Maximum number of planes that limit a detector.
-pub(crate) const MOST_LIMITS: usize = 4;
-
-/// Half-spaces n · (x − c) < w about the centre c of a detector, with the unit normal n and the distance w in metres.
-pub(crate) type Limits = [Vec4; MOST_LIMITS];
-
-/// No limits: the planes contain every point.
-pub(crate) const NO_LIMITS: Limits = [Vec4::W; MOST_LIMITS];
 
 /// A sphere in which crossings are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -29,7 +29,7 @@ mod settings;
 mod targets;
 mod volume;
 
-pub(crate) use detectors::{Detector, Limits, MOST_LIMITS, NO_LIMITS};
+pub(crate) use detectors::Detector;
 pub(super) use detectors::{OpenVolumes, compiled_detectors, most_detectors};
 pub(super) use events::EventTable;
 pub(crate) use passages::{FarEnd, SolidHit, Transmitting};
@@ -42,7 +42,7 @@ pub(super) use resampling::ITERATIONS_BEFORE_RESAMPLING;
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use settings::{Followed, Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
-pub(super) use volume::open_volume;
+pub(crate) use volume::{Limits, MOST_LIMITS, NO_LIMITS};
 
 /// Number of waves in a block. They are followed together through all their chunks. Their textures take 60 MB, and they
 /// occupy every core of a large graphics card.

@@ -1,10 +1,18 @@
 //! The open volume of a detector's sphere.
 
-use super::detectors::Limits;
 use crate::scene::shape::halton;
 use crate::scene::{Scene, Surface};
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec3, DVec4, Vec3, Vec4};
 use std::f64::consts::PI;
+
+/// Maximum number of planes that limit a detector.
+pub(crate) const MOST_LIMITS: usize = 4;
+
+/// Half-spaces n · (x − c) < w about the centre c of a detector, with the unit normal n and the distance w in metres.
+pub(crate) type Limits = [Vec4; MOST_LIMITS];
+
+/// No limits: the planes contain every point.
+pub(crate) const NO_LIMITS: Limits = [Vec4::W; MOST_LIMITS];
 
 /// Number of points that estimate the volume if a surface reaches into the sphere.
 ///
@@ -83,7 +91,6 @@ fn points_in_ball() -> impl Iterator<Item = DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::detectors::NO_LIMITS;
     use super::*;
     use crate::scene::shape::{Plane, Sphere};
     use crate::{Listener, Node, Source};
