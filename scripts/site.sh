@@ -72,10 +72,6 @@ stage() {
     rm -rf "$SOURCE/docs/site"
     cp -R docs/site/. "$SOURCE"
     ln -s "$EXTRA" "$SOURCE/extra"
-    if [[ -e docs/games.md ]]; then
-        rm "$SOURCE/games.md"
-        sed -i -e 's|(games\.md)|(docs/games.md)|' -e 's|^games$|docs/games|' "$SOURCE/index.md"
-    fi
 }
 
 # Renders the sounds of docs/site/listen.md by its own commands.
