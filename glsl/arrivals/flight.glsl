@@ -75,7 +75,8 @@ void limitCrossing(int detector, vec3 p, vec3 d, inout Crossing crossing) {
     for (int number = 0; number < LIMITS; ++number) {
         vec4 plane = uLimits[LIMITS * detector + number];
         float slope = dot(plane.xyz, d);
-        float meets = (plane.w - dot(plane.xyz, from)) / (abs(slope) < PARALLEL ? PARALLEL : slope);
+        slope = abs(slope) < PARALLEL ? PARALLEL : slope;
+        float meets = (plane.w - dot(plane.xyz, from)) / slope;
         crossing.leaves = slope < 0.0 ? crossing.leaves : min(crossing.leaves, meets);
         crossing.enters = slope < 0.0 ? max(crossing.enters, meets) : crossing.enters;
     }

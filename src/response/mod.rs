@@ -90,7 +90,7 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
-use crate::tracer::{ArrivalCounts, Tracer};
+use crate::tracer::{ArrivalCounts, TraceError, Tracer};
 pub use exact_paths::{Missed, SpecularPath};
 use serde::{Deserialize, Serialize};
 use shared::Listeners;
@@ -224,10 +224,20 @@ impl Response {
         settings.validate()?;
         let mut responses: Vec<Option<Response>> = vec![None; pairs.len()];
         for indices in shared::groups(pairs, tracer.most_detectors()) {
-            let listeners = Listeners::new(indices.iter().map(|index| pairs[*index]), settings);
-            let traced = match &settings.accuracy {
-                Some(accuracy) => rounds::trace(tracer, listeners, settings, accuracy, observe)?,
-                None => listeners.trace_once(tracer, settings)?,
+            let mut of = |indices: &[usize]| {
+                let listeners = Listeners::new(indices.iter().map(|index| pairs[*index]), settings);
+                match &settings.accuracy {
+                    Some(accuracy) => rounds::trace(tracer, listeners, settings, accuracy, observe),
+                    None => listeners.trace_once(tracer, settings),
+                }
+            };
+            let traced = match of(&indices) {
+                // The detectors of several listeners take more uniforms than those of one.
+                Err(Error::Trace(TraceError::TooManySurfaces { .. })) if indices.len() > 1 => {
+                    let alone = indices.iter().map(|index| of(&[*index]));
+                    alone.collect::<Result<Vec<_>, Error>>()?.concat()
+                }
+                traced => traced?,
             };
             for (index, response) in indices.into_iter().zip(traced) {
                 responses[index] = Some(response);

@@ -78,6 +78,9 @@ impl Scene {
         self.material_drivers
             .retain(|driver| !names.contains(&driver.material));
         self.material_drivers.extend(drivers);
+        // The order of a file. The drivers of a material keep theirs.
+        let drivers = &mut self.material_drivers;
+        drivers.sort_by(|a, b| a.material.cmp(&b.material));
     }
 }
 

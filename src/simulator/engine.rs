@@ -22,6 +22,9 @@ pub(super) type Shared = SharedBy<Engine>;
 /// The share of a round for ways around and through obstacles. One of them takes milliseconds, whatever the scene.
 const SHARE_AROUND: f64 = 0.25;
 
+/// Maximum rest in seconds after a round, also after one that compiled: moving sources must not stand still for longer.
+const LONGEST_REST_S: f64 = 0.25;
+
 /// Number of structures whose programs a worker keeps. A structure has up to three programs, and twelve are kept.
 const STRUCTURES_KEPT: usize = 4;
 
@@ -174,12 +177,19 @@ impl Engine {
         self.receive(snapshot, other, shared);
     }
 
-    /// The programs of a hall cannot be compiled.
-    pub fn refuse(&mut self, error: Error, shared: &Shared) {
-        shared.set_state(SimulatorState::Failed(Arc::new(error)));
+    /// Whether a snapshot waits for its programs.
+    pub fn is_waiting(&self) -> bool {
+        self.pending.is_some()
     }
 
-    fn note_compiled(&mut self, key: u64, worker: usize, shared: &Shared) {
+    /// The programs of a hall cannot be compiled. If a later commit does not need them, its state stays.
+    pub fn refuse(&mut self, error: Error, key: u64, shared: &Shared) {
+        if self.asked == Some(key) {
+            shared.set_state(SimulatorState::Failed(Arc::new(error)));
+        }
+    }
+
+    pub fn note_compiled(&mut self, key: u64, worker: usize, shared: &Shared) {
         let keys = &mut self.compiled[worker];
         keys.retain(|other| *other != key);
         keys.push(key);
@@ -282,11 +292,12 @@ impl Engine {
         let share_ms = SHARE_AROUND * self.settings.milliseconds;
         self.around_ms = (self.around_ms + share_ms).min(share_ms);
         let lacking = |(index, (id, placed)): (usize, &(SourceId, super::world::PlacedSource))| {
-            let heard = self.heard.get(id)?;
             let place = Place::of(hall, index);
-            heard
-                .lacks_ways_around(&place)
-                .then_some((index, *id, placed.priority))
+            let urgency = self
+                .heard
+                .get(id)?
+                .urgency_around(&place, placed.priority)?;
+            Some((index, *id, urgency))
         };
         let all = hall.sources.iter().enumerate().filter_map(lacking);
         let Some((index, id, _)) = all.max_by(|a, b| a.2.total_cmp(&b.2)) else {
@@ -360,7 +371,7 @@ impl Engine {
         shared.publish(Arc::clone(&self.published));
     }
 
-    /// Rests so that rounds take their share of the time.
+    /// Rests so that rounds take their share of the time, but at most [`LONGEST_REST_S`].
     fn rest(&mut self, began: Instant, has_more: bool) {
         if !has_more {
             self.next_round = None;
@@ -369,7 +380,7 @@ impl Engine {
         let interval_s = 1.0 / self.settings.rounds_hz;
         let share = (self.settings.milliseconds / 1e3 / interval_s).min(1.0);
         let took_s = began.elapsed().as_secs_f64();
-        let until_s = interval_s.max(took_s / share);
+        let until_s = interval_s.max((took_s / share).min(took_s + LONGEST_REST_S));
         self.next_round = Some(began + Duration::from_secs_f64(until_s));
     }
 }

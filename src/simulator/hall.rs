@@ -111,6 +111,7 @@ impl Hall {
         }
         for (source, (_, placed)) in self.scene.sources.iter_mut().zip(&snapshot.sources) {
             placed.pose.place(source);
+            source.position = apart(source.position, &snapshot.listener);
             source.level_db = placed.level_db;
         }
         self.sources.clone_from(&snapshot.sources);
@@ -122,6 +123,21 @@ impl Hall {
         let surface = index.and_then(|index| self.surfaces.get(index));
         surface.map_or(u64::from(number), |(id, _)| id.to_bits() + 1)
     }
+}
+
+/// Least distance in metres from the listener at which a source is heard: that of the surface of a head. The sound of a
+/// nearer source would grow without limit, and a source at the listener has no direction.
+const NEAREST_M: f32 = 0.1;
+
+/// The position of a source, at least [`NEAREST_M`] from the listener. A source at the listener is heard ahead.
+fn apart(source: Vec3, listener: &Pose) -> Vec3 {
+    let way = source - listener.position;
+    if way.length() >= NEAREST_M {
+        return source;
+    }
+    let ahead = listener.rotation * Vec3::NEG_Z;
+    let direction = way.try_normalize().or(ahead.try_normalize());
+    listener.position + NEAREST_M * direction.unwrap_or(Vec3::NEG_Z)
 }
 
 /// The surface in its pose.

@@ -37,6 +37,9 @@ const FORGETS_S: f64 = 1.0;
 /// Priority of a source that has not moved, relative to one that has.
 const REST_PRIORITY: f64 = 0.1;
 
+/// The time in seconds that a source counts as waiting whose ways around obstacles were never found.
+const NEVER_S: f64 = 1e6;
+
 /// The place of a source, the listener and the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Place {
@@ -78,6 +81,7 @@ pub(super) struct Heard {
     direct: Option<(DirectWay, f64)>,
     /// The paths around and through what hides the source, and where they were found.
     hidden: Option<(Vec<HeardPath>, Place)>,
+    found_around: Option<Instant>,
     surroundings: Surroundings,
     record: DecayRecord,
     reverb: Reverb,
@@ -97,11 +101,12 @@ pub(super) struct Effort {
 }
 
 impl Heard {
-    /// Finds the direct way. A way that is hidden stays as it was last found, until [`Heard::find_around`].
+    /// Finds the direct way. A source that has just been hidden, and one whose ways around obstacles are found late, keep
+    /// the gains that were found last, until [`Heard::find_around`].
     pub fn find_direct(&mut self, ways: &DirectWays, pair: Pair) {
         let Some(open) = DirectWays::in_the_open(pair) else {
             // Source and listener are at the same place.
-            self.direct = self.direct.filter(|_| false);
+            self.direct = None;
             return;
         };
         let open_s = open.delay_s;
@@ -111,16 +116,33 @@ impl Heard {
                 DirectWay::new(&open, std::slice::from_ref(&open))
             }
             false => {
-                let (paths, _) = self.hidden.get_or_insert_default();
-                DirectWay::new(&open, paths)
+                let (paths, at) = self.hidden.get_or_insert_default();
+                match self.direct {
+                    // The ways are not found yet: a place has a geometry above 0.
+                    Some((last, _)) if at.geometry == 0 => DirectWay {
+                        is_in_sight: false,
+                        ..last
+                    },
+                    _ => DirectWay::new(&open, paths),
+                }
             }
         };
         self.direct = Some((direct, open_s));
     }
 
     /// Whether the source is hidden, and paths around and through what hides it are missing or of another place.
-    pub fn lacks_ways_around(&self, place: &Place) -> bool {
+    fn lacks_ways_around(&self, place: &Place) -> bool {
         self.hidden.as_ref().is_some_and(|(_, at)| at != place)
+    }
+
+    /// The urgency of a search for ways around obstacles, which grows while the source waits; `None` if it needs none.
+    pub fn urgency_around(&self, place: &Place, priority: f32) -> Option<f64> {
+        let waited_s = match self.found_around {
+            Some(when) => when.elapsed().as_secs_f64(),
+            None => NEVER_S,
+        };
+        let urgency = f64::from(priority) * waited_s;
+        self.lacks_ways_around(place).then_some(urgency)
     }
 
     /// Finds the paths around and through what hides the source.
@@ -134,6 +156,7 @@ impl Heard {
         let how = settings.response(settings.waves, 0, settings.seconds);
         let how = how.with_diffraction(settings.diffraction);
         self.hidden = Some((ways.around_and_through(pair, &how), place));
+        self.found_around = Some(Instant::now());
         self.find_direct(ways, pair);
     }
 
@@ -209,7 +232,8 @@ impl Heard {
             _ => 1,
         };
         let keep = match &self.traced {
-            Some((at, when)) if at.has_same_surfaces(&place) => {
+            // A record of another level would change the loudness too slowly.
+            Some((at, when)) if at.has_same_surfaces(&place) && at.level_db == place.level_db => {
                 let waited_s = match at.geometry == place.geometry {
                     true => 0.0,
                     false => when.elapsed().as_secs_f64(),

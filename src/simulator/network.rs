@@ -11,6 +11,7 @@
 //! # Cost
 //! All filters of a stage run side by side for the sixteen lines.
 
+use super::taps::without_denormals;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use num_complex::Complex64;
 use std::f64::consts::{PI, SQRT_2};
@@ -264,6 +265,9 @@ impl Network {
             out[0] += left;
             out[1] += right;
         }
+        for states in &mut self.states {
+            *states = states.map(without_denormals);
+        }
     }
 
     fn glide(&mut self) {
@@ -298,7 +302,7 @@ impl Network {
         mix(&mut values);
         for line in 0..LINES {
             let place = &mut self.lines[line][self.at[line]];
-            *place = values[line] + IN * input * SIGNS[line];
+            *place = without_denormals(values[line] + IN * input * SIGNS[line]);
             self.at[line] += 1;
             if self.at[line] == self.lines[line].len() {
                 self.at[line] = 0;

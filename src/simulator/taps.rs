@@ -17,6 +17,18 @@ use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
+/// Greatest amplitude of a sample, far above every sound. Greater ones would overflow in filters.
+const LOUDEST: f32 = 1e6;
+
+/// Amplitude below which sound counts as silence: −300 dB. A processor computes slowly with numbers below 1e-38, into
+/// which filters decay after a sound.
+const SILENCE: f32 = 1e-15;
+
+/// The state of a filter, without numbers that slow the processor.
+pub(super) fn without_denormals(state: f32) -> f32 {
+    if state.abs() < SILENCE { 0.0 } else { state }
+}
+
 /// Number of bands of a delay line.
 const BANDS: usize = 4;
 
@@ -229,7 +241,10 @@ impl Voice {
     fn write(&mut self, mono: &[f32]) {
         let mask = self.length - 1;
         for sample in mono {
-            let sample = if sample.is_finite() { *sample } else { 0.0 };
+            let sample = match sample.is_finite() {
+                true => sample.clamp(-LOUDEST, LOUDEST),
+                false => 0.0,
+            };
             for (low, pole) in self.lows.iter_mut().zip(&self.poles) {
                 *low += pole * (sample - *low);
             }
@@ -241,6 +256,7 @@ impl Voice {
             }
             self.written = self.written.wrapping_add(1);
         }
+        self.lows = self.lows.map(without_denormals);
     }
 
     fn render(&self, tap: &mut Tap, samples: usize, out: &mut Output) {

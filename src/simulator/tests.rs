@@ -136,7 +136,7 @@ fn the_last_programs_serve_until_the_new_ones_are_ready() {
     });
 }
 
-/// Protects users from fields that can end the process: they are refused by default, the error is reported, and the
+/// Protects games from a field that cannot be used: the error is reported, and the
 /// surfaces before stay audible.
 #[test]
 fn a_field_is_refused_and_the_rest_goes_on() {
@@ -144,7 +144,8 @@ fn a_field_is_refused_and_the_rest_goes_on() {
     let ids = simulator.add_scene(&shoebox(0.2)).unwrap();
     let commit = simulator.commit();
     heard(&simulator, ids.sources[0], commit, 1);
-    let text = "float field(vec3 p) { return length(p) - 0.5; }".to_owned();
+    // Refused however fields are tried, which is the choice of the whole process.
+    let text = "float field(vec3 p) { return length(p) - radius; }".to_owned();
     let field = crate::scene::UserField::new("ball.glsl", text, Vec3::ONE, 1.0);
     let field = crate::scene::shape::User {
         field: Arc::new(field),

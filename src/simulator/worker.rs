@@ -147,11 +147,13 @@ impl Worker {
             if let Some(Done { hall, key, result }) = news.done {
                 let other = WORKERS - 1 - number;
                 match result {
-                    Ok(()) => {
+                    Ok(()) if engine.is_waiting() => {
                         engine.adopt(hall, key, other, &shared);
                         return shared.hand_over(engine, other);
                     }
-                    Err(error) => engine.refuse(error, &shared),
+                    // A later commit does not need the programs.
+                    Ok(()) => engine.note_compiled(key, other, &shared),
+                    Err(error) => engine.refuse(error, key, &shared),
                 }
             }
             engine.round(tracer, number, &shared);

@@ -596,8 +596,5 @@ fn check_materials(
             value: materials.count().to_string(),
         });
     }
-    if materials.is_empty() {
-        return Ok(());
-    }
     check_uniforms(context, scene, structure, OWN_VECTORS + vectors)
 }

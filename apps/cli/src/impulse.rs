@@ -57,10 +57,9 @@ pub struct Arguments {
     /// Channels of the WAV file: mono, stereo, ambisonic (ACN, SN3D), or binaural (two ears, needs --sofa)
     #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
     format: FormatOption,
-    /// Order of --format ambisonic, 1 to 7: (order + 1)² channels
-    #[arg(long, allow_negative_numbers = true, default_value_t = AmbisonicOrder::FIRST.number(), value_name = "N",
-        requires = "output", value_parser = count::<u8>)]
-    ambisonic_order: u8,
+    /// Order of --format ambisonic, 1 to 7: (order + 1)² channels [default: 1]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", requires = "output", value_parser = count::<u8>)]
+    ambisonic_order: Option<u8>,
     /// Head-related impulse responses for --format binaural: a SOFA file of the convention
     /// SimpleFreeFieldHRIR
     #[arg(long, value_name = "FILE.sofa", requires = "output")]
@@ -187,7 +186,7 @@ impl Arguments {
     }
 
     fn order_of_channels(&self) -> anyhow::Result<AmbisonicOrder> {
-        Ok(AmbisonicOrder::new(self.ambisonic_order).map_err(Error::from)?)
+        Ok(AmbisonicOrder::new(self.ambisonic_order.unwrap_or(1)).map_err(Error::from)?)
     }
 
     fn hrirs(&self) -> anyhow::Result<HrirSet> {
@@ -230,14 +229,15 @@ impl Arguments {
             *ImpulseSettings::RATES_HZ.start(),
             *ImpulseSettings::RATES_HZ.end(),
         );
-        let orders =
-            [AmbisonicOrder::FIRST, AmbisonicOrder::MOST].map(|order| order.number().into());
-        check_range(
-            "--ambisonic-order",
-            f64::from(self.ambisonic_order),
-            orders[0],
-            orders[1],
-        )?;
+        if let Some(order) = self.ambisonic_order {
+            if self.format != FormatOption::Ambisonic {
+                let why = "--ambisonic-order needs --format ambisonic";
+                return Err(BadInput(why.into()).into());
+            }
+            let [least, most] =
+                [AmbisonicOrder::FIRST, AmbisonicOrder::MOST].map(|order| order.number().into());
+            check_range("--ambisonic-order", f64::from(order), least, most)?;
+        }
         check_range(
             "--rate",
             f64::from(self.rate),

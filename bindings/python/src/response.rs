@@ -343,7 +343,7 @@ impl Heard {
         py: Python<'py>,
         rate_hz: u32,
         format: &str,
-        ambisonic_order: u8,
+        ambisonic_order: Option<i64>,
         sofa: Option<PathBuf>,
         seed: Option<u64>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
@@ -419,7 +419,7 @@ impl Heard {
         &self,
         rate_hz: u32,
         format: &str,
-        ambisonic_order: u8,
+        ambisonic_order: Option<i64>,
         sofa: Option<PathBuf>,
         seed: Option<u64>,
     ) -> PyResult<Vec<Vec<f32>>> {
@@ -439,11 +439,17 @@ impl Heard {
                     format!("sofa= has no effect on the format {format}: only binaural uses it");
                 return Err(errors::settings(message));
             }
+            ("mono" | "stereo", None) if ambisonic_order.is_some() => {
+                let message =
+                    format!("order= has no effect on the format {format}: only ambisonics uses it");
+                return Err(errors::settings(message));
+            }
             ("mono", None) => Format::Mono,
             ("stereo", None) => Format::Stereo,
             ("ambisonic" | "ambisonics" | "ambix", None) => {
-                let order = AmbisonicOrder::new(ambisonic_order).map_err(errors::from)?;
-                Format::AmbiX(order)
+                // 0 is refused with the range of orders, as are numbers beyond 255.
+                let order = u8::try_from(ambisonic_order.unwrap_or(1)).unwrap_or(0);
+                Format::AmbiX(AmbisonicOrder::new(order).map_err(errors::from)?)
             }
             _ => {
                 let message = format!(

@@ -60,6 +60,7 @@ def test_impulse_responses_have_channels_and_samples(room, hrirs):
         ({"format": "binaural"}, "needs head-related impulse responses"),
         ({"format": "quad"}, "there is no format \"quad\""),
         ({"format": "ambisonics", "order": 8}, "the order of ambisonics must be 1 to 7, not 8"),
+        ({"order": 3}, "order= has no effect on the format mono"),
         ({"sofa": hrirs}, "sofa= has no effect on the format mono"),
         ({"rate": 10}, "a sampling rate of 10 Hz"),
     ):

@@ -23,6 +23,9 @@ mod tests;
 /// The default rate of an impulse response, in hertz.
 const DEFAULT_RATE_HZ: u32 = 48_000;
 
+/// Maximum number of samples of all channels, 2^27. Their spectra take some 4 GiB.
+const MOST_SAMPLES: usize = 134_217_728;
+
 /// Settings of an impulse response.
 ///
 /// Each field is serialised by its name. The format is `"mono"`, `"stereo"` or `{"ambix": order}`. `binaural` is refused,
@@ -156,7 +159,8 @@ impl ImpulseResponse {
     /// # Errors
     /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`] if the settings are out of
     /// range, [`ResponseError::BadTap`] for a tap whose time, energy or direction is out of range,
-    /// [`ResponseError::Hrir`] if a set of head-related impulse responses cannot be resampled.
+    /// [`ResponseError::Hrir`] if a set of head-related impulse responses cannot be resampled,
+    /// [`ResponseError::BadNumber`] for more than 134,217,728 samples of all channels.
     pub fn new(
         taps: &[Tap],
         echogram: &Echogram,
@@ -169,6 +173,14 @@ impl ImpulseResponse {
         settings.validate()?;
         check_taps(taps)?;
         let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
+        let of_all = samples * settings.format.channels();
+        if of_all > MOST_SAMPLES {
+            return Err(ResponseError::BadNumber {
+                what: "the number of samples of all channels",
+                must: "at most 134217728",
+                value: of_all as f64,
+            });
+        }
         let sound = Sound {
             taps,
             echogram,

@@ -254,6 +254,10 @@ impl Scene {
             let must = "a material of the scene";
             return Err(self.bad_number(&what("the material"), must, &driver.material));
         }
+        if driver.value.is_empty() {
+            let what = "the name of a value of a material";
+            return Err(self.bad_number(what, "not empty", "\"\""));
+        }
         match driver.band {
             Some(band) if band >= BAND_COUNT => {
                 Err(self.bad_number(&what("the index of the octave band"), "0 to 7", band))

@@ -138,14 +138,16 @@ fn driven_by_band(bands: Bands, drivers: &[&MaterialDriver]) -> Written {
         Written::Named(driver.value.clone(), Box::new(Written::Real(number)))
     };
     // If several drivers set the same number, the last driver applies.
-    if let Some(driver) = drivers.iter().rev().find(|driver| driver.band.is_none()) {
-        return named(driver, bands[0]);
+    let is_one = bands == [bands[0]; BAND_COUNT];
+    if let (true, Some(last)) = (
+        is_one,
+        drivers.last().filter(|driver| driver.band.is_none()),
+    ) {
+        return named(last, bands[0]);
     }
     let of_band = |(band, number): (usize, &f64)| {
-        let driver = drivers
-            .iter()
-            .rev()
-            .find(|driver| driver.band == Some(band));
+        let mut drivers = drivers.iter().rev();
+        let driver = drivers.find(|driver| driver.band.is_none_or(|of| of == band));
         driver.map_or(Written::Real(*number), |driver| named(driver, *number))
     };
     Written::List(bands.iter().enumerate().map(of_band).collect())

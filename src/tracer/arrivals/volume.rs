@@ -37,7 +37,8 @@ pub fn open_volume(scene: &Scene, (centre, limits): (Vec3, &Limits), radius: f32
     let reaches = |surface: &&Surface| surface.distance(centre) < radius;
     let near: Vec<&Surface> = scene.surfaces.iter().filter(reaches).collect();
     let limits = limits.map(|plane| plane.as_dvec4());
-    let is_limited = limits.iter().any(|plane| plane.w < radius.into());
+    let is_limited =
+        (limits.iter()).any(|plane| plane.truncate() != DVec3::ZERO && plane.w < radius.into());
     if near.is_empty() && !is_limited {
         return sphere;
     }

@@ -468,8 +468,10 @@ fn files_open_in_sox() {
         let wav = folder.path().join(format!("{format}-{order}.wav"));
         let pair = ["--source", "flute", "--listener", "stalls"];
         let call = ["impulse", &file, "--waves", "4096", "--seconds", "0.5"];
-        let format_options = ["--format", format, "--ambisonic-order", order];
-        let out = [&format_options[..], &["-o", argument(&wav), "--quiet"]].concat();
+        let mut out = vec!["--format", format, "-o", argument(&wav), "--quiet"];
+        if format == "ambisonic" {
+            out.extend(["--ambisonic-order", order]);
+        }
         succeed(&[&call[..], &pair, &out[..]].concat());
         let told = |what: &str| {
             let answer = Command::new("soxi").arg(what).arg(&wav).output();

@@ -298,7 +298,7 @@ class Response:
         format: str = "mono",
         sofa: Optional[AnyPath] = None,
         seed: Optional[int] = None,
-        order: int = 1,
+        order: Optional[int] = None,
     ) -> npt.NDArray[np.float32]:
         """Return an impulse response.
 
@@ -315,8 +315,8 @@ class Response:
             A SOFA file of the convention SimpleFreeFieldHRIR, for the format "binaural".
         seed : int, optional
             Seed of the noise of the late part; the seed of the response by default.
-        order : int
-            Order of the format "ambisonics", 1 to 7: (order + 1)² channels.
+        order : int, optional
+            Order of the format "ambisonics", 1 to 7, 1 by default: (order + 1)² channels.
 
         Returns
         -------
