@@ -159,8 +159,8 @@ fn run(count: usize, seconds: f64, spawns: bool) -> Result<(), Error> {
         .is_none_or(|heard| heard.traces == 0)
     {
         if let SimulatorState::Failed(error) = simulator.state() {
-            println!("failed: {error}");
-            return Ok(());
+            eprintln!("the simulator failed: {error}");
+            std::process::exit(1);
         }
         thread::sleep(PICTURE);
     }
