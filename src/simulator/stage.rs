@@ -42,6 +42,9 @@ struct Stage<E> {
     snapshot: Option<Box<Snapshot>>,
     job: Option<Job>,
     done: Option<Done>,
+    /// Whether the tracing worker decides about a finished job. Until then the other one begins no further job, as it
+    /// may have to trace.
+    is_deciding: bool,
     /// Ears that the engine does not know yet.
     subscribers: Vec<Subscriber>,
     /// The engine, while no worker has it.
@@ -53,12 +56,19 @@ struct Stage<E> {
     stops: bool,
 }
 
+/// The state, and whether it is the last one.
+#[derive(Default)]
+struct Current {
+    state: SimulatorState,
+    has_ended: bool,
+}
+
 /// The shared part of a simulator.
 pub(super) struct Shared<E> {
     stage: Mutex<Stage<E>>,
     wake: Condvar,
     published: Mutex<Arc<Published>>,
-    state: Mutex<SimulatorState>,
+    state: Mutex<Current>,
     /// Keys of the structures whose programs exist.
     compiled: Mutex<Vec<u64>>,
 }
@@ -90,6 +100,7 @@ impl<E> Default for Shared<E> {
             snapshot: None,
             job: None,
             done: None,
+            is_deciding: false,
             subscribers: Vec::new(),
             engine: None,
             turn: 0,
@@ -138,8 +149,10 @@ impl<E> Shared<E> {
             if stage.stops {
                 return Task::Stop;
             }
+            let is_undecided = stage.done.is_some() || stage.is_deciding;
             let task = match stage.turn == worker {
                 true => stage.engine.take().map(Task::Trace),
+                false if is_undecided => None,
                 false => stage.job.take().map(Task::Compile),
             };
             match task {
@@ -159,7 +172,14 @@ impl<E> Shared<E> {
         let mut stage = locked(&self.stage);
         stage.engine = Some(engine);
         stage.turn = worker;
+        stage.is_deciding = false;
         drop(stage);
+        self.wake.notify_all();
+    }
+
+    /// Both workers keep their roles after a finished job.
+    pub fn keep_roles(&self) {
+        locked(&self.stage).is_deciding = false;
         self.wake.notify_all();
     }
 
@@ -186,6 +206,7 @@ impl<E> Shared<E> {
                 stage.snapshot.is_some() || stage.done.is_some() || !stage.subscribers.is_empty();
             if stage.stops || is_due || until.is_none() && has_news {
                 stage.is_asleep = false;
+                stage.is_deciding = stage.done.is_some();
                 return News {
                     snapshot: stage.snapshot.take(),
                     done: stage.done.take(),
@@ -216,13 +237,28 @@ impl<E> Shared<E> {
         locked(&self.published).get(&id).map(Arc::clone)
     }
 
+    /// Sets the state, unless the workers have ended.
     pub fn set_state(&self, state: SimulatorState) {
-        let before = std::mem::replace(&mut *locked(&self.state), state);
+        let mut current = locked(&self.state);
+        let before = match &mut *current {
+            Current {
+                has_ended: true, ..
+            } => state,
+            Current { state: known, .. } => std::mem::replace(known, state),
+        };
+        drop(current);
         drop(before);
     }
 
+    /// Ends both workers with an error that stays.
+    pub fn fail(&self, error: Error) {
+        self.set_state(SimulatorState::Failed(Arc::new(error)));
+        locked(&self.state).has_ended = true;
+        self.stop();
+    }
+
     pub fn state(&self) -> SimulatorState {
-        locked(&self.state).clone()
+        locked(&self.state).state.clone()
     }
 
     pub fn set_compiled(&self, keys: Vec<u64>) {
@@ -231,5 +267,60 @@ impl<E> Shared<E> {
 
     pub fn is_compiled(&self, key: u64) -> bool {
         locked(&self.compiled).contains(&key)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A job for a world without surfaces.
+    fn job(key: u64) -> Job {
+        let snapshot = crate::simulator::world::World::new().snapshot();
+        let hall = Box::new(Hall::of(&snapshot));
+        Job { hall, key }
+    }
+
+    /// Protects the sound of a game that spawns objects while programs are compiled: the worker that has finished a job
+    /// begins no further one until the tracing worker has decided about the roles, so that it can take over at once.
+    #[test]
+    fn a_worker_that_may_have_to_trace_compiles_nothing_else() {
+        let shared = Shared::<&str>::default();
+        shared.hand_over(Box::new("engine"), 0);
+        let Task::Trace(engine) = shared.next_task(0) else {
+            panic!("worker 0 traces");
+        };
+        shared.compile(job(1));
+        let Task::Compile(Job { hall, key }) = shared.next_task(1) else {
+            panic!("worker 1 compiles");
+        };
+        shared.compile(job(2));
+        let result = Ok(());
+        shared.finish(Done { hall, key, result });
+        std::thread::scope(|scope| {
+            let next = scope.spawn(|| shared.next_task(1));
+            let done = shared.news(Some(Instant::now())).done;
+            assert_eq!(done.expect("a finished job").key, 1);
+            assert!(!next.is_finished(), "worker 1 has begun the next job");
+            shared.hand_over(engine, 1);
+            let next = next.join().expect("no panic");
+            assert!(matches!(next, Task::Trace(engine) if *engine == "engine"));
+        });
+        // Worker 0 compiles now.
+        assert!(matches!(
+            shared.next_task(0),
+            Task::Compile(Job { key: 2, .. })
+        ));
+    }
+
+    /// Protects callers from a simulator that is silent without a reason: the failure of a worker stays the state.
+    #[test]
+    fn a_failure_of_a_worker_stays() {
+        let shared = Shared::<()>::default();
+        let reason = "it has panicked".to_owned();
+        shared.fail(crate::simulator::SimulatorError::NoThread { reason }.into());
+        shared.set_state(SimulatorState::Ready);
+        assert!(matches!(shared.state(), SimulatorState::Failed(_)));
+        assert!(matches!(shared.next_task(0), Task::Stop));
     }
 }

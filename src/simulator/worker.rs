@@ -77,6 +77,18 @@ impl Workers {
     }
 }
 
+/// Reports the panic of a worker as a failure of the simulator: a user's code may run in it, and a driver's.
+struct ReportsPanic(Arc<Shared>);
+
+impl Drop for ReportsPanic {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            let reason = "it has panicked".to_owned();
+            self.0.fail(SimulatorError::NoThread { reason }.into());
+        }
+    }
+}
+
 /// One thread with its context.
 struct Worker {
     number: usize,
@@ -96,6 +108,7 @@ impl Worker {
     }
 
     fn run(&mut self, tell: Option<SyncSender<Result<String, Error>>>) {
+        let _reports = ReportsPanic(Arc::clone(&self.shared));
         if let Some(tell) = tell {
             let made = self
                 .tracer()
@@ -155,6 +168,7 @@ impl Worker {
                     Ok(()) => engine.note_compiled(key, other, &shared),
                     Err(error) => engine.refuse(error, key, &shared),
                 }
+                shared.keep_roles();
             }
             engine.round(tracer, number, &shared);
         }
