@@ -83,9 +83,13 @@ impl Hall {
                 continue;
             };
             next.find(is_it);
-            if one.pose != other.pose {
-                one.pose = other.pose;
-                one.turns |= other.turns;
+            let mut pose = other.pose;
+            // The first turn needs programs that read a rotation. They are compiled aside.
+            if other.turns && !one.turns {
+                pose.rotation = one.pose.rotation;
+            }
+            if one.pose != pose {
+                one.pose = pose;
                 place(&mut self.scene.surfaces[index], one);
                 moved = true;
             }
@@ -151,4 +155,35 @@ fn place(surface: &mut Surface, one: &PlacedSurface) {
     surface.position = one.pose.position;
     surface.rotation = one.pose.rotation;
     surface.dynamic_rotation |= one.turns;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::Cuboid;
+    use crate::simulator::world::World;
+    use glam::Quat;
+
+    /// Protects the sound from stalls: the first turn of a surface needs other programs, so the hall that is traced keeps
+    /// the surface's rotation, and follows its position, until a hall with such programs takes its place.
+    #[test]
+    fn a_first_turn_does_not_change_the_programs_in_use() {
+        let mut world = World::new();
+        let size = Vec3::ONE;
+        let id = world.add_surface(Surface::new(Cuboid { size })).unwrap();
+        let mut hall = Hall::of(&world.snapshot());
+        let placed = world.surface(id).unwrap();
+        placed.pose = Pose::at([1.0, 0.0, 0.0]).turned(Quat::from_rotation_y(0.5));
+        placed.turns = true;
+        let snapshot = world.snapshot();
+        assert!(!hall.has_surfaces_of(&snapshot));
+        hall.follow(&snapshot);
+        let surface = &hall.scene.surfaces[0];
+        assert_eq!(surface.position, Vec3::X);
+        assert_eq!(surface.rotation, Quat::IDENTITY);
+        assert!(!surface.dynamic_rotation);
+        let next = Hall::of(&snapshot);
+        assert!(next.has_surfaces_of(&snapshot));
+        assert!(next.scene.surfaces[0].dynamic_rotation);
+    }
 }
