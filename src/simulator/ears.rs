@@ -14,8 +14,12 @@ use std::sync::Arc;
 /// Maximum number of sources of a mix: each has half a megabyte.
 const MOST_SOURCES: usize = 256;
 
+/// Time in seconds in which the sound of a new source rises, and the last sample of a removed one decays to the share
+/// 1/e. A sudden begin or end would click.
+const RAMP_S: f64 = 0.005;
+
 /// Voices beside those of the sources, for sources that fade out.
-const SPARE_VOICES: usize = 4;
+pub(super) const SPARE_VOICES: usize = 4;
 
 /// The format of [`Ears`] and [`Mix`].
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +88,54 @@ struct Slot {
     id: Option<SourceId>,
     /// Whether the source is removed: the voice is free when it is silent.
     is_gone: bool,
+    /// The last sample of the sound. After the source is removed it decays, so that nothing clicks.
+    last: f32,
+    /// The share of the sound that enters the voice. It rises to 1, as a sound may be under way when it is heard first.
+    share: f32,
     voice: Voice,
+}
+
+impl Slot {
+    /// A free voice for sounds with delays of up to `longest` samples.
+    fn new(longest: usize, rate_hz: u32) -> Slot {
+        Slot {
+            id: None,
+            is_gone: false,
+            last: 0.0,
+            share: 0.0,
+            voice: Voice::new(longest, rate_hz),
+        }
+    }
+
+    /// Gives the voice to a source.
+    fn take(&mut self, id: SourceId) {
+        (self.id, self.is_gone) = (Some(id), false);
+        (self.last, self.share) = (0.0, 0.0);
+        self.voice.clear();
+    }
+
+    /// The next samples of the sound of the source in `mono`, which is silent before. `step` is the change of the share
+    /// in a sample.
+    fn next_samples(
+        &mut self,
+        id: SourceId,
+        mono: &mut [f32],
+        step: f32,
+        fill: &mut impl FnMut(SourceId, &mut [f32]),
+    ) {
+        if !self.is_gone {
+            fill(id, mono);
+        }
+        for sample in mono {
+            if self.is_gone {
+                *sample = self.last * (1.0 - step);
+            } else if self.share < 1.0 {
+                self.share = (self.share + step).min(1.0);
+                *sample *= self.share;
+            }
+            self.last = if sample.is_finite() { *sample } else { 0.0 };
+        }
+    }
 }
 
 /// The sound of all sources as the listener hears them. Made by [`Simulator::mix`](super::Simulator::mix).
@@ -97,6 +148,8 @@ pub struct Mix {
     outbox: Producer<Box<Message>>,
     slots: Vec<Slot>,
     network: Network,
+    /// The change per sample of sounds that begin or end, relative to 1.
+    step: f32,
     output: Box<Output>,
     late: [f32; CHUNK],
     mono: [f32; CHUNK],
@@ -112,16 +165,13 @@ impl Mix {
         let (to_inbox, inbox) = RingBuffer::new(capacity);
         let (outbox, from_outbox) = RingBuffer::new(capacity);
         let longest = (spec.longest_s * f64::from(spec.rate_hz)) as usize;
-        let slot = |_| Slot {
-            id: None,
-            is_gone: false,
-            voice: Voice::new(longest, spec.rate_hz),
-        };
+        let slot = |_| Slot::new(longest, spec.rate_hz);
         let mix = Mix {
             inbox,
             outbox,
             slots: (0..spec.sources + SPARE_VOICES).map(slot).collect(),
             network: Network::new(&[1.0; BAND_COUNT], spec.rate_hz),
+            step: (1.0 / (RAMP_S * f64::from(spec.rate_hz))) as f32,
             output: Box::new(Output::SILENT),
             late: [0.0; CHUNK],
             mono: [0.0; CHUNK],
@@ -173,8 +223,7 @@ impl Mix {
                 let free = self.slots.iter().position(|slot| slot.id.is_none());
                 let fading = || self.slots.iter().position(|slot| slot.is_gone);
                 let index = free.or_else(fading)?;
-                self.slots[index].id = id;
-                self.slots[index].voice.clear();
+                self.slots[index].take(message.id);
                 index
             }
         };
@@ -191,9 +240,7 @@ impl Mix {
             };
             let mono = &mut self.mono[..frames];
             mono.fill(0.0);
-            if !slot.is_gone {
-                fill(id, mono);
-            }
+            slot.next_samples(id, mono, self.step, fill);
             slot.voice.add(mono, &mut self.output);
             if slot.is_gone && slot.voice.is_silent() {
                 (slot.id, slot.is_gone) = (None, false);

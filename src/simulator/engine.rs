@@ -25,6 +25,10 @@ const SHARE_AROUND: f64 = 0.25;
 /// Maximum rest in seconds after a round, also after one that compiled: moving sources must not stand still for longer.
 const LONGEST_REST_S: f64 = 0.25;
 
+/// Time until messages are sent again that ears had no room for, for example because their sound is paused: about two
+/// blocks of sound.
+const SEND_AGAIN: Duration = Duration::from_millis(20);
+
 /// Number of structures whose programs a worker keeps. A structure has up to three programs, and twelve are kept.
 const STRUCTURES_KEPT: usize = 4;
 
@@ -86,7 +90,9 @@ impl Engine {
 
     /// The time of the next round; `None` if no work is left before another commit.
     pub fn next_round(&self) -> Option<Instant> {
+        let again = || self.subscribers.iter().any(Subscriber::is_behind);
         self.next_round
+            .or_else(|| again().then(|| Instant::now() + SEND_AGAIN))
     }
 
     /// Adds ears, and sends them the present state.

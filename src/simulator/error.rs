@@ -6,11 +6,11 @@ use super::{Pose, SourceId, SurfaceId};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulatorError {
-    /// The source was removed, or belongs to another simulator.
-    #[error("there is no {0:?}: it was removed, or belongs to another simulator")]
+    /// The source was removed, or never added.
+    #[error("there is no {0:?}: it was removed, or never added")]
     NoSource(SourceId),
-    /// The surface was removed, or belongs to another simulator.
-    #[error("there is no {0:?}: it was removed, or belongs to another simulator")]
+    /// The surface was removed, or never added.
+    #[error("there is no {0:?}: it was removed, or never added")]
     NoSurface(SurfaceId),
     /// A position or a rotation that is not possible.
     #[error(

@@ -1,5 +1,6 @@
 //! The delays and gains of both ears by direction: panning, or a measured head.
 
+use super::SimulatorError;
 use super::taps::EARS;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use crate::hrtf::{Facets, Hrir, HrirPair, HrirSet};
@@ -8,6 +9,8 @@ use crate::sampling::lattice;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+use std::thread;
 
 /// Number of directions in which the ears of a measured head are known: about 6° apart.
 const DIRECTIONS: u64 = 1024;
@@ -29,15 +32,18 @@ pub(super) enum Head {
     /// Panned with constant power.
     Stereo,
     /// The levels by octave and the delays of a head's responses. Finer features of the spectra are left out.
-    Measured {
-        facets: Box<Facets>,
-        ears: Vec<[Ear; EARS]>,
-    },
+    Measured(Arc<Measured>),
 }
 
-impl Head {
-    /// The ears of a set of responses.
-    pub fn of(set: &HrirSet) -> Head {
+/// The ears of a measured head by direction.
+pub(super) struct Measured {
+    facets: Facets,
+    ears: Vec<[Ear; EARS]>,
+}
+
+impl Measured {
+    /// The ears of a set of responses. Takes about a tenth of a second.
+    fn of(set: &HrirSet) -> Measured {
         let directions: Vec<DVec3> = lattice(DIRECTIONS).collect();
         let mut pair = HrirPair::default();
         let rate_hz = f64::from(set.rate_hz());
@@ -56,12 +62,14 @@ impl Head {
             // No ear hears a sound before it passes the nearest ear: everything is later by a fraction of a millisecond.
             ear.delay_s += (mean_s - earliest_s).max(0.0) - mean_s;
         }
-        Head::Measured {
-            facets: Box::new(Facets::new(directions)),
+        Measured {
+            facets: Facets::new(directions),
             ears,
         }
     }
+}
 
+impl Head {
     /// Both ears, for sound from a direction of the world.
     pub fn ears(&self, axes: &ListenerAxes, from: DVec3) -> [Ear; EARS] {
         match self {
@@ -72,7 +80,8 @@ impl Head {
                     gain: [gain; BAND_COUNT],
                 })
             }
-            Head::Measured { facets, ears } => {
+            Head::Measured(head) => {
+                let Measured { facets, ears } = &**head;
                 let towards = axes.to_listener(from).try_normalize().unwrap_or(DVec3::X);
                 let around = facets.around(towards);
                 std::array::from_fn(|side| {
@@ -91,6 +100,56 @@ impl Head {
                 })
             }
         }
+    }
+}
+
+/// A head that is known, or being analysed.
+type Analysis = Arc<OnceLock<Arc<Measured>>>;
+
+/// The heads of a simulator. Each is analysed once, on a thread of its own.
+#[derive(Default)]
+pub(super) struct Heads {
+    known: Mutex<Vec<(Weak<HrirSet>, Analysis)>>,
+}
+
+impl Heads {
+    /// Calls `then` with the head of a set, now or as soon as it is analysed.
+    ///
+    /// # Errors
+    /// [`SimulatorError::NoThread`] if the system starts no thread.
+    pub fn with(
+        &self,
+        set: &Arc<HrirSet>,
+        then: impl FnOnce(Head) + Send + 'static,
+    ) -> Result<(), SimulatorError> {
+        let analysis = self.analysis(set);
+        if let Some(head) = analysis.get() {
+            then(Head::Measured(Arc::clone(head)));
+            return Ok(());
+        }
+        let set = Arc::clone(set);
+        let analyse = move || {
+            let head = analysis.get_or_init(|| Arc::new(Measured::of(&set)));
+            then(Head::Measured(Arc::clone(head)));
+        };
+        let name = "echomarch head".to_owned();
+        let started = thread::Builder::new().name(name).spawn(analyse);
+        let failed = |error: std::io::Error| SimulatorError::NoThread {
+            reason: error.to_string(),
+        };
+        started.map(drop).map_err(failed)
+    }
+
+    fn analysis(&self, set: &Arc<HrirSet>) -> Analysis {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|(other, _)| other.strong_count() > 0);
+        let is_it = |(other, _): &&(Weak<HrirSet>, Analysis)| other.as_ptr() == Arc::as_ptr(set);
+        if let Some((_, analysis)) = known.iter().find(is_it) {
+            return Arc::clone(analysis);
+        }
+        let analysis = Analysis::default();
+        known.push((Arc::downgrade(set), Arc::clone(&analysis)));
+        analysis
     }
 }
 
@@ -130,7 +189,7 @@ mod tests {
     /// the right is the mirror image, and no ear hears before time.
     #[test]
     fn the_near_ear_is_earlier_and_louder() {
-        let head = Head::of(&set(grid(30)));
+        let head = Head::Measured(Arc::new(Measured::of(&set(grid(30)))));
         let axes = ListenerAxes::new(DVec3::NEG_Z, DVec3::Y).expect("good axes");
         for (from, near) in [(DVec3::NEG_X, 0), (DVec3::X, 1)] {
             let ears = head.ears(&axes, from);

@@ -1,5 +1,6 @@
 //! Messages from the tracing worker to the ears: taps of each source, and the decay of the network.
 
+use super::ears::SPARE_VOICES;
 use super::head::Head;
 use super::network::{self, Absorption};
 use super::taps::{EARS, Fit, Frame, Kind, Target};
@@ -26,6 +27,12 @@ const LONGEST_GLIDE_S: f64 = 0.2;
 /// two changes.
 const LEAST_CHANGE: f64 = 0.02;
 const CHANGE_EVERY_S: f64 = 0.2;
+
+/// How much more energy a source must have than the weakest one that is heard, to take its place: 3 dB.
+const REPLACES: f64 = 2.0;
+
+/// Maximum number of sources that are replaced at once: one half of the voices that are left for sources that fade out.
+const MOST_REPLACED: usize = SPARE_VOICES / 2;
 
 /// The key of the direct way and of the way to the network.
 const OWN_KEY: u64 = 0;
@@ -68,6 +75,10 @@ pub(super) struct Subscriber {
     decay_s: Bands,
     changed: Option<Instant>,
     under_way: usize,
+    /// Filters that no message could take yet.
+    unsent: Option<Box<Absorption>>,
+    /// Whether a message did not fit, because the ears take none at the moment.
+    is_behind: bool,
 }
 
 impl Subscriber {
@@ -88,6 +99,8 @@ impl Subscriber {
             decay_s: [1.0; BAND_COUNT],
             changed: None,
             under_way: 0,
+            unsent: None,
+            is_behind: false,
         }
     }
 
@@ -96,24 +109,56 @@ impl Subscriber {
         !self.inbox.is_abandoned()
     }
 
+    /// Whether a message did not fit. It must be sent again, also if nothing changes.
+    pub fn is_behind(&self) -> bool {
+        self.is_behind
+    }
+
     /// Sends the changes.
     pub fn tell(&mut self, listener: &Pose, published: &Published) {
+        self.is_behind = false;
         while self.outbox.pop().is_ok() {
             self.under_way -= 1;
         }
-        let gone: Vec<SourceId> = self.told.keys().copied().collect();
-        for id in gone.into_iter().filter(|id| !published.contains_key(id)) {
+        if let Some(absorption) = self.next_absorption(published) {
+            self.unsent = Some(absorption);
+        }
+        let heard = self.heard(published);
+        let told: Vec<SourceId> = self.told.keys().copied().collect();
+        for id in told.into_iter().filter(|id| !heard.contains(id)) {
             self.tell_gone(id);
         }
-        let mut absorption = self.next_absorption(published);
-        for (id, update) in published {
-            let is_chosen = self.only.is_none_or(|only| only == *id);
-            let has_room = self.told.contains_key(id) || self.told.len() < self.sources;
-            // Before the first trace, echoes and reverberation are missing.
-            if is_chosen && has_room && update.traces > 0 {
-                self.tell_update(*id, update, listener, &mut absorption);
+        for id in heard {
+            if let Some(update) = published.get(&id) {
+                self.tell_update(id, update, listener);
             }
         }
+    }
+
+    /// The sources to be heard. If they are too many, those that were heard before stay, unless others are much louder.
+    fn heard(&self, published: &Published) -> Vec<SourceId> {
+        let is_chosen = |id: &SourceId| self.only.is_none_or(|only| only == *id);
+        // Before the first trace, echoes and reverberation are missing.
+        let mut all: Vec<(SourceId, bool, f64)> = published
+            .iter()
+            .filter(|(id, update)| is_chosen(id) && update.traces > 0)
+            .map(|(id, update)| (*id, self.told.contains_key(id), update.energy()))
+            .collect();
+        all.sort_by(|(a_id, a_told, a), (b_id, b_told, b)| {
+            (b_told.cmp(a_told))
+                .then(b.total_cmp(a))
+                .then(a_id.cmp(b_id))
+        });
+        let places = self.sources.min(all.len());
+        let (heard, others) = all.split_at_mut(places);
+        others.sort_by(|(a_id, _, a), (b_id, _, b)| b.total_cmp(a).then(a_id.cmp(b_id)));
+        let weakest = heard.iter_mut().rev().take(MOST_REPLACED);
+        for (weakest, loudest) in weakest.zip(others) {
+            if weakest.1 && loudest.2 > REPLACES * weakest.2 {
+                *weakest = *loudest;
+            }
+        }
+        heard.iter().map(|(id, ..)| *id).collect()
     }
 
     fn tell_gone(&mut self, id: SourceId) {
@@ -129,10 +174,15 @@ impl Subscriber {
         }
     }
 
-    fn send(&mut self, message: Message) -> bool {
-        if self.under_way >= self.sources * MESSAGES_PER_SOURCE {
+    /// Sends a message, with the filters that no other message could take.
+    fn send(&mut self, mut message: Message) -> bool {
+        let has_room = self.under_way < self.sources * MESSAGES_PER_SOURCE;
+        self.is_behind |= !has_room;
+        if !has_room {
             return false;
         }
+        message.absorption = self.unsent.take();
+        // The ring has the same capacity.
         let is_sent = self.inbox.push(Box::new(message)).is_ok();
         self.under_way += usize::from(is_sent);
         is_sent
@@ -142,20 +192,14 @@ impl Subscriber {
         ((seconds * f64::from(self.rate_hz)) as u32).max(1)
     }
 
-    fn tell_update(
-        &mut self,
-        id: SourceId,
-        update: &Arc<Update>,
-        listener: &Pose,
-        absorption: &mut Option<Box<Absorption>>,
-    ) {
+    fn tell_update(&mut self, id: SourceId, update: &Arc<Update>, listener: &Pose) {
         let told = self.told.get(&id);
         let is_known = told.is_some_and(|told| {
             told.turn == listener.rotation
                 && told.traces == update.traces
                 && told.update.direct == update.direct
         });
-        if is_known && absorption.is_none() {
+        if is_known && self.unsent.is_none() {
             return;
         }
         let echoes = match told.filter(|told| told.traces == update.traces) {
@@ -178,7 +222,7 @@ impl Subscriber {
             targets,
             glide: self.samples(glide_s),
             is_gone: false,
-            absorption: absorption.take(),
+            absorption: None,
         };
         if self.send(message) {
             let told = Told {
@@ -201,7 +245,7 @@ impl Subscriber {
             let ears = self.head.ears(&axes, from);
             let of_ear = |side: usize| match &self.head {
                 Head::Stereo => gains.map(|gain| gain * ears[side].gain[0] as f32),
-                Head::Measured { .. } => {
+                Head::Measured(_) => {
                     let own = self.fit.gains(&ears[side].gain);
                     std::array::from_fn(|band| gains[band] * own[band])
                 }

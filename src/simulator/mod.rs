@@ -72,7 +72,7 @@ use crate::error::Error;
 use crate::scene::{Scene, Source, Surface};
 use engine::Shared;
 use hall::Hall;
-use head::Head;
+use head::{Head, Heads};
 use messages::Subscriber;
 use slots::Key;
 use std::fmt;
@@ -83,11 +83,13 @@ use world::World;
 /// Priorities above 0, up to this one.
 const GREATEST_PRIORITY: f32 = 1e6;
 
-/// The id of a source. An id of a removed source is never that of another one.
+/// The id of a source. An id of a removed source is never that of another one of the same simulator. Other simulators
+/// may have the same ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SourceId(Key);
 
-/// The id of a surface. An id of a removed surface is never that of another one.
+/// The id of a surface. An id of a removed surface is never that of another one of the same simulator. Other simulators
+/// may have the same ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SurfaceId(Key);
 
@@ -111,6 +113,7 @@ pub struct Simulator {
     settings: SimulatorSettings,
     shared: Arc<Shared>,
     workers: Workers,
+    heads: Heads,
 }
 
 impl Simulator {
@@ -127,6 +130,7 @@ impl Simulator {
             workers: Workers::start(&settings, &shared)?,
             settings,
             shared,
+            heads: Heads::default(),
         })
     }
 
@@ -319,7 +323,7 @@ impl Simulator {
     /// then. `spec.sources` is not used.
     ///
     /// # Errors
-    /// [`SimulatorError::NoSource`]; [`SimulatorError::BadNumber`] for a number of the format out of its range.
+    /// [`SimulatorError::NoSource`] and the errors of [`Simulator::mix`].
     pub fn ears(&mut self, id: SourceId, spec: &EarsSpec) -> Result<Ears, SimulatorError> {
         self.world.source(id)?;
         let spec = spec.clone().with_sources(1);
@@ -327,10 +331,12 @@ impl Simulator {
         Ok(Ears { mix })
     }
 
-    /// The sound of all sources, for an audio callback.
+    /// The sound of all sources, for an audio callback. A head is analysed on a thread of its own, once for all mixes;
+    /// until then, the mix is silent.
     ///
     /// # Errors
-    /// [`SimulatorError::BadNumber`] for a number of the format out of its range.
+    /// [`SimulatorError::BadNumber`] for a number of the format out of its range; [`SimulatorError::NoThread`] if the
+    /// system starts no thread for the head.
     pub fn mix(&self, spec: &EarsSpec) -> Result<Mix, SimulatorError> {
         self.heard_by(spec, None)
     }
@@ -338,9 +344,13 @@ impl Simulator {
     fn heard_by(&self, spec: &EarsSpec, only: Option<SourceId>) -> Result<Mix, SimulatorError> {
         spec.validate()?;
         let (mix, ends) = Mix::new(spec);
-        let head = spec.head.as_deref().map_or(Head::Stereo, Head::of);
         let format = (spec.rate_hz, spec.sources, only);
-        self.shared.subscribe(Subscriber::new(format, head, ends));
+        let shared = Arc::clone(&self.shared);
+        let subscribe = move |head| shared.subscribe(Subscriber::new(format, head, ends));
+        match &spec.head {
+            Some(set) => self.heads.with(set, subscribe)?,
+            None => subscribe(Head::Stereo),
+        }
         Ok(mix)
     }
 

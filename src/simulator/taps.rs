@@ -44,6 +44,9 @@ pub(super) const CHUNK: usize = 128;
 /// Frames that a tap reads around its place.
 const REACH: usize = 4;
 
+/// Silent frames before a new sound: all that a tap reads in one step together with the sound's first frame.
+const SILENT_FRAMES: usize = CHUNK + REACH;
+
 /// Maximum number of taps of a source: echoes, the direct way, the way to the network, and those that fade out.
 const MOST_TAPS: usize = 2 * 66;
 
@@ -158,6 +161,8 @@ pub(super) struct Voice {
     frames: Vec<Frame>,
     length: usize,
     written: usize,
+    /// Number of frames up to the last one that belong to this sound, or are silent. Older ones are of a sound before.
+    own: usize,
     poles: Frame,
     lows: Frame,
     taps: Vec<Tap>,
@@ -172,6 +177,7 @@ impl Voice {
             frames: vec![[0.0; BANDS]; length + CHUNK + REACH],
             length,
             written: 0,
+            own: length,
             poles: [a, b, c, 1.0],
             lows: [0.0; BANDS],
             taps: Vec::with_capacity(MOST_TAPS),
@@ -183,11 +189,25 @@ impl Voice {
         self.taps.is_empty()
     }
 
-    /// Forgets all sound.
+    /// Forgets all sound. The ring is long, so only the last frames are overwritten: as many as can be read together
+    /// with the first new one.
     pub fn clear(&mut self) {
-        self.frames.fill([0.0; BANDS]);
+        self.own = 0;
+        for _ in 0..SILENT_FRAMES {
+            self.push([0.0; BANDS]);
+        }
         self.lows = [0.0; BANDS];
         self.taps.clear();
+    }
+
+    fn push(&mut self, frame: Frame) {
+        let at = self.written & (self.length - 1);
+        self.frames[at] = frame;
+        if at < CHUNK + REACH {
+            self.frames[self.length + at] = frame;
+        }
+        self.written = self.written.wrapping_add(1);
+        self.own = (self.own + 1).min(self.length);
     }
 
     /// Glides to other taps within `samples` samples. Does not allocate.
@@ -239,7 +259,6 @@ impl Voice {
     }
 
     fn write(&mut self, mono: &[f32]) {
-        let mask = self.length - 1;
         for sample in mono {
             let sample = match sample.is_finite() {
                 true => sample.clamp(-LOUDEST, LOUDEST),
@@ -249,12 +268,7 @@ impl Voice {
                 *low += pole * (sample - *low);
             }
             let [a, b, c, d] = self.lows;
-            let at = self.written & mask;
-            self.frames[at] = [a, b - a, c - b, d - c];
-            if at < CHUNK + REACH {
-                self.frames[self.length + at] = self.frames[at];
-            }
-            self.written = self.written.wrapping_add(1);
+            self.push([a, b - a, c - b, d - c]);
         }
         self.lows = self.lows.map(without_denormals);
     }
@@ -300,8 +314,10 @@ impl Voice {
             });
             for (index, out) in gliding.iter_mut().enumerate() {
                 delay += step;
-                let (frames, weights) = self.place::<WIDTH>(delay, samples - index);
-                let sum = weighted(frames, &weights);
+                let sum = match self.place::<WIDTH>(delay, samples - index) {
+                    Some((frames, weights)) => weighted(frames, &weights),
+                    None => [0.0; BANDS],
+                };
                 for ear in 0..COUNT {
                     for band in 0..BANDS {
                         gains[ear][band] += steps[ear][band];
@@ -317,8 +333,9 @@ impl Voice {
         for (ear, gain) in gains.iter().enumerate() {
             (tap.delays[first + ear], tap.gains[first + ear]) = (delay, *gain);
         }
-        if !steady.is_empty() && gains.iter().flatten().any(|gain| *gain != 0.0) {
-            let (frames, weights) = self.place::<WIDTH>(delay, steady.len());
+        let is_heard = !steady.is_empty() && gains.iter().flatten().any(|gain| *gain != 0.0);
+        let place = is_heard.then(|| self.place::<WIDTH>(delay, steady.len()));
+        if let Some((frames, weights)) = place.flatten() {
             for (out, frames) in steady.iter_mut().zip(frames.windows(WIDTH)) {
                 let sum = weighted(frames, &weights);
                 for ear in 0..COUNT {
@@ -331,17 +348,22 @@ impl Voice {
     }
 
     /// The frames around the place `delay` samples before the frame that was written `back` frames before the end, and
-    /// their weights.
-    fn place<const WIDTH: usize>(&self, delay: f64, back: usize) -> (&[Frame], [f32; WIDTH]) {
+    /// their weights. `None` before the sound began.
+    fn place<const WIDTH: usize>(
+        &self,
+        delay: f64,
+        back: usize,
+    ) -> Option<(&[Frame], [f32; WIDTH])> {
         let whole = delay as usize;
         let share = (delay - whole as f64) as f32;
         // The newest frame that is read is `WIDTH / 2 − 1` frames after the place.
         let age = back + whole + WIDTH / 2;
+        if age > self.own {
+            return None;
+        }
         let first = self.written.wrapping_sub(age) & (self.length - 1);
-        (
-            &self.frames[first..first + back + WIDTH - 1],
-            weights(share),
-        )
+        let frames = &self.frames[first..first + back + WIDTH - 1];
+        Some((frames, weights(share)))
     }
 }
 
@@ -441,6 +463,25 @@ mod tests {
                     "{delay} {time}"
                 );
             }
+        }
+    }
+
+    /// Protects voices that are used again: nothing of the sound before is heard, at any delay, and the new sound is that
+    /// of a new voice.
+    #[test]
+    fn a_cleared_voice_is_like_a_new_one() {
+        for delay in [2.0, 90.5, 131.0, 500.25, 900.0] {
+            let mut used = Voice::new(1000, RATE_HZ);
+            used.glide_to(&[target(1, delay, 0.7)], 1);
+            play(&mut used, &[1.0; 5000]);
+            used.clear();
+            let mut fresh = Voice::new(1000, RATE_HZ);
+            let sound: Vec<f32> = (0..2500).map(|i| (i as f32 * 0.37).sin()).collect();
+            for voice in [&mut used, &mut fresh] {
+                voice.glide_to(&[target(1, delay, 0.5)], 400);
+            }
+            let (used, fresh) = (play(&mut used, &sound), play(&mut fresh, &sound));
+            assert_eq!(used, fresh, "{delay}");
         }
     }
 

@@ -65,6 +65,15 @@ pub struct Update {
     pub traces: u64,
 }
 
+impl Update {
+    /// The energy of all sound, relative to the direct sound of the source at 1 m: the mean of the bands.
+    pub(super) fn energy(&self) -> f64 {
+        let (direct, reverb) = (&self.direct.gain, &self.reverb.gain);
+        let all: Bands = std::array::from_fn(|band| direct[band].powi(2) + reverb[band].powi(2));
+        bands::mean(&all)
+    }
+}
+
 impl DirectWay {
     /// The direct way of paths that replace the straight one; `open` is the straight path without obstacles.
     pub(super) fn new(open: &HeardPath, paths: &[HeardPath]) -> DirectWay {

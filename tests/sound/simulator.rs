@@ -31,7 +31,7 @@ fn has_traces(simulator: &Simulator, id: SourceId, commit: u64) -> bool {
 }
 
 /// The next frames of a mix whose sources all play a tone of 200 Hz, without allocations. 480
-/// frames are whole periods.
+/// frames are whole periods, and begin and end with the largest amplitude.
 fn play(mix: &mut Mix, frames: usize) -> Vec<f32> {
     let mut stereo = vec![f32::NAN; 2 * frames];
     let step = std::f32::consts::TAU * 200.0 / RATE_HZ as f32;
@@ -40,7 +40,7 @@ fn play(mix: &mut Mix, frames: usize) -> Vec<f32> {
         assert_no_alloc(|| {
             mix.process(block, |_, mono| {
                 for sample in &mut *mono {
-                    *sample = (at as f32 * step).sin();
+                    *sample = (at as f32 * step).cos();
                     at += 1;
                 }
             });
@@ -99,8 +99,69 @@ fn a_source_fades_in_turns_and_fades_out() {
     assert!((loudest(&last[8000..]) / 0.5 - 1.0).abs() < 0.02);
     simulator.remove_source(id).unwrap();
     simulator.commit();
-    wait_until("silence", || loudest(&play(&mut mix, 4800)) == 0.0);
+    let mut end = Vec::new();
+    wait_until("silence", || {
+        end.extend(play(&mut mix, 4800));
+        loudest(&end[end.len() - 9600..]) == 0.0
+    });
+    let left: Vec<f32> = end.iter().step_by(2).copied().collect();
+    assert!(largest_step(&left) < 0.035 * 0.5, "{}", largest_step(&left));
     assert_eq!(mix.source_count(), 0);
+}
+
+/// Protects the sound after a pause: a mix that takes no messages while its source moves plays the last place
+/// afterwards, although nothing moves any more.
+#[test]
+fn a_paused_mix_catches_up() {
+    let mut simulator = simulator();
+    let mut mix = simulator
+        .mix(&EarsSpec::new(RATE_HZ).with_sources(1))
+        .unwrap();
+    let id = simulator.add_source(Source::at([0.0, 0.0, -1.0])).unwrap();
+    for step in 0..12 {
+        let far = -1.0 - step as f32 / 11.0;
+        let pose = Pose::at([0.0, 0.0, far]);
+        simulator.place_source(id, pose).unwrap();
+        let commit = simulator.commit();
+        wait_until("a trace", || has_traces(&simulator, id, commit));
+    }
+    let middle = 0.5 * std::f32::consts::FRAC_1_SQRT_2;
+    wait_until("the last place", || {
+        let last = play(&mut mix, 4800);
+        (loudest(&last) / middle - 1.0).abs() < 0.02
+    });
+}
+
+/// Protects mixes with fewer places than sources: a much louder source takes the place of another one.
+#[test]
+fn the_louder_source_is_heard() {
+    let mut simulator = simulator();
+    let mut mix = simulator
+        .mix(&EarsSpec::new(RATE_HZ).with_sources(1))
+        .unwrap();
+    let mut heard = |what: &str, wanted: SourceId| {
+        wait_until(what, || {
+            let (mut stereo, mut last) = ([0.0; 2], None);
+            mix.process(&mut stereo, |id, _| last = Some(id));
+            last == Some(wanted)
+        });
+    };
+    let far = simulator.add_source(Source::at([0.0, 0.0, -20.0])).unwrap();
+    simulator.commit();
+    heard("the far source", far);
+    let near = simulator.add_source(Source::at([0.0, 0.0, -2.0])).unwrap();
+    simulator.commit();
+    heard("the near source", near);
+    simulator
+        .place_source(far, Pose::at([0.0, 0.0, -1.9]))
+        .unwrap();
+    let commit = simulator.commit();
+    wait_until("a trace", || has_traces(&simulator, far, commit));
+    // Hardly louder: no change.
+    heard("the same source", near);
+    simulator.enable_source(near, false).unwrap();
+    simulator.commit();
+    heard("the other source", far);
 }
 
 /// Protects the reverberation: in a room, the sound goes on after the source has stopped, and its level falls by 60 dB
