@@ -11,9 +11,10 @@ use echomarch::audio::Sound;
 use echomarch::glam::{Quat, Vec3};
 use echomarch::scene::shape::{Cuboid, Room, Sphere};
 use echomarch::simulator::{
-    EarsSpec, Mix, Pose, Simulator, SimulatorSettings, SimulatorState, SurfaceId,
+    EarsSpec, Mix, Pose, Simulator, SimulatorSettings, SimulatorState, SourceId, SurfaceId,
 };
 use echomarch::{Error, Source, Surface};
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -121,18 +122,22 @@ fn processor_ms() -> f64 {
 /// Mixes in real time until told to stop, and returns the times of its blocks.
 fn audio(mut mix: Mix, stop: Arc<AtomicBool>) -> JoinHandle<Times> {
     thread::spawn(move || {
-        // The sounds of the game: copies of noise, which take no time of their own.
-        let mut noise = vec![0.0; 2 * BLOCK];
+        // The sounds of the game: one second of noise in a loop, whose begin is repeated at the end.
+        let mut noise = vec![0.0; RATE_HZ as usize];
         if let Ok(mut sound) = Sound::parse("noise", RATE_HZ) {
             sound.fill(&mut noise);
         }
+        noise.extend_from_within(..BLOCK);
+        let mut played: HashMap<SourceId, usize> = HashMap::with_capacity(256);
         let mut stereo = vec![0.0; 2 * BLOCK];
         let mut times = Times::default();
         let mut next = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             times.measure_processor(|| {
-                mix.process(&mut stereo, |_, mono| {
-                    mono.copy_from_slice(&noise[..mono.len()])
+                mix.process(&mut stereo, |id, mono| {
+                    let at = played.entry(id).or_insert(0);
+                    mono.copy_from_slice(&noise[*at..][..mono.len()]);
+                    *at = (*at + mono.len()) % RATE_HZ as usize;
                 });
             });
             next += Duration::from_secs_f64(BLOCK as f64 / f64::from(RATE_HZ));
