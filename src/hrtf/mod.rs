@@ -41,6 +41,7 @@ pub use sofa::{SofaError, SofaProblem};
 
 #[cfg(feature = "sofa")]
 pub(crate) use balloon::{Balloon, BalloonError};
+pub(crate) use facet_index::IndexedFacets;
 pub(crate) use facets::Facets;
 
 /// Silent samples before and after shifted responses. A shift by a fraction of a sample causes a ripple, which decays

@@ -1,12 +1,14 @@
 //! What a game's audio callback calls: the sound of sources as the listener hears them.
 
+use super::encoder::{Encoder, MOST_CHANNELS};
 use super::messages::{MESSAGES_PER_SOURCE, Message};
 use super::network::Network;
-use super::taps::{CHUNK, Output, Voice};
-use super::{SimulatorError, SourceId};
+use super::taps::{CHUNK, EARS, Hearing, Output, Planes, Voice};
+use super::{EarsFormat, Pose, SimulatorError, SourceId};
 use crate::bands::BAND_COUNT;
 use crate::hrtf::HrirSet;
-use crate::response::{ImpulseSettings, ResponseError};
+use crate::response::ImpulseSettings;
+use glam::Quat;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fmt;
 use std::sync::Arc;
@@ -18,6 +20,9 @@ const MOST_SOURCES: usize = 256;
 /// 1/e. A sudden begin or end would click.
 const RAMP_S: f64 = 0.005;
 
+/// Time in seconds in which a turn of the head is heard: fast turns of a head take a tenth of a second.
+const TURN_S: f64 = 0.01;
+
 /// Voices beside those of the sources, for sources that fade out.
 pub(super) const SPARE_VOICES: usize = 4;
 
@@ -27,14 +32,14 @@ pub(super) const SPARE_VOICES: usize = 4;
 pub struct EarsSpec {
     /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
     pub rate_hz: u32,
-    /// Maximum number of sources that are heard at once, 1 to 256. [`Ears`] have one.
+    /// Maximum number of sources that are heard at once, 1 to 256. If there are more, the loudest ones are heard. [`Ears`]
+    /// have one.
     pub sources: usize,
     /// Longest delay of a direct way or an echo in seconds, 0.01 to 5. Later ones are heard after this time. A source
     /// takes 1 MiB for each 0.7 s at 48 kHz.
     pub longest_s: f64,
-    /// A head for headphones: direct ways and echoes have the delays of both ears, and their levels by octave. Without
-    /// one, they are panned between two loudspeakers with constant power.
-    pub head: Option<Arc<HrirSet>>,
+    /// The channels.
+    pub format: EarsFormat,
 }
 
 impl EarsSpec {
@@ -44,7 +49,7 @@ impl EarsSpec {
             rate_hz,
             sources: 64,
             longest_s: 0.6,
-            head: None,
+            format: EarsFormat::Stereo,
         }
     }
 
@@ -55,11 +60,17 @@ impl EarsSpec {
         self
     }
 
-    /// Returns the format with a head.
+    /// Returns the format with other channels.
     #[must_use]
-    pub fn with_head(mut self, head: Arc<HrirSet>) -> EarsSpec {
-        self.head = Some(head);
+    pub fn with_format(mut self, format: EarsFormat) -> EarsSpec {
+        self.format = format;
         self
+    }
+
+    /// Returns the format for headphones, with a head.
+    #[must_use]
+    pub fn with_head(self, head: Arc<HrirSet>) -> EarsSpec {
+        self.with_format(EarsFormat::Binaural(head))
     }
 
     /// Checks every number against its range.
@@ -78,7 +89,7 @@ impl EarsSpec {
         if !(0.01..=5.0).contains(&self.longest_s) {
             return bad("the longest delay in seconds", "0.01 to 5", self.longest_s);
         }
-        Ok(())
+        self.format.validate()
     }
 }
 
@@ -150,17 +161,25 @@ pub struct Mix {
     network: Network,
     /// The change per sample of sounds that begin or end, relative to 1.
     step: f32,
+    rate_hz: u32,
+    encoder: Encoder,
+    channels: usize,
+    /// The rotation of the listener, and that of the head against it.
+    listener: Quat,
+    head: Quat,
+    /// Whether the head has turned since the last block.
+    turns: bool,
     output: Box<Output>,
+    planes: Box<Planes>,
     late: [f32; CHUNK],
     mono: [f32; CHUNK],
-    pairs: [[f32; 2]; CHUNK],
 }
 
 /// The ends of the worker: messages to the ears, and messages back.
 pub(super) type Ends = (Producer<Box<Message>>, Consumer<Box<Message>>);
 
 impl Mix {
-    pub(super) fn new(spec: &EarsSpec) -> (Mix, Ends) {
+    pub(super) fn new(spec: &EarsSpec, encoder: Encoder) -> (Mix, Ends) {
         let capacity = spec.sources * MESSAGES_PER_SOURCE;
         let (to_inbox, inbox) = RingBuffer::new(capacity);
         let (outbox, from_outbox) = RingBuffer::new(capacity);
@@ -170,26 +189,83 @@ impl Mix {
             inbox,
             outbox,
             slots: (0..spec.sources + SPARE_VOICES).map(slot).collect(),
-            network: Network::new(&[1.0; BAND_COUNT], spec.rate_hz),
+            network: Network::new(
+                &[1.0; BAND_COUNT],
+                spec.rate_hz,
+                spec.format.channels(),
+                &encoder.diffuse(),
+            ),
             step: (1.0 / (RAMP_S * f64::from(spec.rate_hz))) as f32,
+            rate_hz: spec.rate_hz,
+            encoder,
+            channels: spec.format.channels(),
+            listener: Quat::IDENTITY,
+            head: Quat::IDENTITY,
+            turns: false,
             output: Box::new(Output::SILENT),
+            planes: Box::new([[0.0; CHUNK]; MOST_CHANNELS]),
             late: [0.0; CHUNK],
             mono: [0.0; CHUNK],
-            pairs: [[0.0; 2]; CHUNK],
         };
         (mix, (to_inbox, from_outbox))
     }
 
-    /// Overwrites `stereo`, both channels interleaved, with the next samples. `fill` is called for each source that is
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Turns the head against the listener, for example by a head tracker or a mouse: `rotation` is a quaternion (x, y,
+    /// z, w) of any length except 0, from the axes of the head to those of the listener. It is heard in the next block,
+    /// and does not wait for a commit. The direction of the late part does not change.
+    ///
+    /// # Errors
+    /// [`SimulatorError::BadPose`] for a quaternion that is 0 or not finite.
+    pub fn turn_head(&mut self, rotation: impl Into<[f32; 4]>) -> Result<(), SimulatorError> {
+        let pose = Pose::default().turned(rotation);
+        let head = SimulatorError::unless_possible(pose, "head")?.rotation;
+        self.turns |= head != self.head;
+        self.head = head;
+        Ok(())
+    }
+
+    /// Overwrites `out`, all channels interleaved, with the next samples. `fill` is called for each source that is
     /// heard, with its id and the place for the next samples of its sound, which are silent before. It is called several
-    /// times if there are more than 128 samples. An incomplete last frame is silent.
-    pub fn process(&mut self, stereo: &mut [f32], mut fill: impl FnMut(SourceId, &mut [f32])) {
+    /// times if there are more than 128 samples. An incomplete last frame is silent. A removed source is not asked for
+    /// its sound; it fades out.
+    pub fn process(&mut self, out: &mut [f32], mut fill: impl FnMut(SourceId, &mut [f32])) {
+        if !self.encoder.is_ready() {
+            out.fill(0.0);
+            return;
+        }
         self.take_messages();
-        let (frames, odd) = stereo.as_chunks_mut::<2>();
-        odd.fill(0.0);
-        for chunk in frames.chunks_mut(CHUNK) {
-            self.render(chunk.len(), &mut fill);
-            chunk.copy_from_slice(&self.pairs[..chunk.len()]);
+        self.turn();
+        for chunk in out.chunks_mut(CHUNK * self.channels) {
+            let frames = chunk.chunks_exact_mut(self.channels);
+            self.render(frames.len(), &mut fill);
+            for (index, frame) in frames.enumerate() {
+                for (sample, plane) in frame.iter_mut().zip(&*self.planes) {
+                    *sample = plane[index];
+                }
+            }
+            let complete = chunk.len() - chunk.len() % self.channels;
+            chunk[complete..].fill(0.0);
+        }
+    }
+
+    /// Aims all sounds at the turned head.
+    fn turn(&mut self) {
+        if !std::mem::take(&mut self.turns) {
+            return;
+        }
+        let samples = (TURN_S * f64::from(self.rate_hz)) as u32;
+        let hearing = Hearing {
+            encoder: &self.encoder,
+            rotation: self.listener * self.head,
+            rate_hz: self.rate_hz.into(),
+        };
+        for slot in &mut self.slots {
+            slot.voice.turn(samples, &hearing);
         }
     }
 
@@ -203,8 +279,16 @@ impl Mix {
             if let Some(absorption) = &message.absorption {
                 self.network.glide_to(absorption);
             }
-            if let Some(slot) = self.slot(&message) {
-                slot.voice.glide_to(&message.targets, message.glide);
+            self.turns |= message.rotation != self.listener;
+            self.listener = message.rotation;
+            if let Some(index) = self.slot(&message) {
+                let hearing = Hearing {
+                    encoder: &self.encoder,
+                    rotation: self.listener * self.head,
+                    rate_hz: self.rate_hz.into(),
+                };
+                let slot = &mut self.slots[index];
+                slot.voice.glide_to(&message.ways, message.glide, &hearing);
                 slot.is_gone = message.is_gone;
             }
             // There is room: no more messages are under way.
@@ -212,28 +296,35 @@ impl Mix {
         }
     }
 
-    /// The voice of the message's source. A new source gets one that is free or about to be.
-    fn slot(&mut self, message: &Message) -> Option<&mut Slot> {
+    /// The index of the voice of the message's source. A new source gets one that is free or about to be.
+    fn slot(&mut self, message: &Message) -> Option<usize> {
         let id = Some(message.id);
         let own = self.slots.iter().position(|slot| slot.id == id);
-        let index = match own {
-            Some(index) => index,
-            None if message.is_gone => return None,
+        match own {
+            Some(index) => Some(index),
+            None if message.is_gone => None,
             None => {
                 let free = self.slots.iter().position(|slot| slot.id.is_none());
                 let fading = || self.slots.iter().position(|slot| slot.is_gone);
                 let index = free.or_else(fading)?;
                 self.slots[index].take(message.id);
-                index
+                Some(index)
             }
-        };
-        self.slots.get_mut(index)
+        }
     }
 
     fn render(&mut self, frames: usize, fill: &mut impl FnMut(SourceId, &mut [f32])) {
-        let Output { ears, late } = &mut *self.output;
-        ears[..frames].fill([[0.0; 4]; 2]);
+        let Output {
+            ears,
+            late,
+            channels,
+        } = &mut *self.output;
+        ears[..frames].fill([[0.0; 4]; EARS]);
         late[..frames].fill([[0.0; 4]]);
+        for channel in &mut channels[..self.channels] {
+            channel[..frames].fill(0.0);
+        }
+        let has_ears = self.encoder.has_ears();
         for slot in &mut self.slots {
             let Some(id) = slot.id else {
                 continue;
@@ -241,19 +332,31 @@ impl Mix {
             let mono = &mut self.mono[..frames];
             mono.fill(0.0);
             slot.next_samples(id, mono, self.step, fill);
-            slot.voice.add(mono, &mut self.output);
+            slot.voice.add(mono, has_ears, &mut self.output);
             if slot.is_gone && slot.voice.is_silent() {
                 (slot.id, slot.is_gone) = (None, false);
             }
         }
-        let Output { ears, late } = &*self.output;
+        let Output {
+            ears,
+            late,
+            channels,
+        } = &*self.output;
         let sum = |frame: &[f32; 4]| frame[0] + frame[1] + (frame[2] + frame[3]);
-        for index in 0..frames {
-            self.pairs[index] = ears[index].each_ref().map(sum);
-            self.late[index] = sum(&late[index][0]);
+        for (sum_of_bands, [late]) in self.late[..frames].iter_mut().zip(late) {
+            *sum_of_bands = sum(late);
         }
-        self.network
-            .add(&self.late[..frames], &mut self.pairs[..frames]);
+        for (channel, plane) in self.planes.iter_mut().enumerate().take(self.channels) {
+            match has_ears {
+                true => {
+                    for (sample, ears) in plane[..frames].iter_mut().zip(ears) {
+                        *sample = sum(&ears[channel]);
+                    }
+                }
+                false => plane[..frames].copy_from_slice(&channels[channel][..frames]),
+            }
+        }
+        self.network.add(&self.late[..frames], &mut self.planes);
     }
 }
 
@@ -274,19 +377,37 @@ pub struct Ears {
 }
 
 impl Ears {
-    /// Overwrites `stereo`, both channels interleaved, with what is heard of the next samples of the source. Silent
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
+        self.mix.channels
+    }
+
+    /// Turns the head against the listener: see [`Mix::turn_head`].
+    ///
+    /// # Errors
+    /// [`SimulatorError::BadPose`] for a quaternion that is 0 or not finite.
+    pub fn turn_head(&mut self, rotation: impl Into<[f32; 4]>) -> Result<(), SimulatorError> {
+        self.mix.turn_head(rotation)
+    }
+
+    /// Overwrites `out`, all channels interleaved, with what is heard of the next samples of the source. Silent
     /// before the source's first trace. Allocates and frees nothing.
     ///
     /// # Errors
-    /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then no sample is played.
-    pub fn process(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), ResponseError> {
-        if stereo.len() != 2 * mono.len() {
-            let (mono, stereo) = (mono.len(), stereo.len());
-            return Err(ResponseError::BadStereoLength { mono, stereo });
+    /// [`SimulatorError::BadLength`] if `out` does not have as many frames as `mono` has samples: then no sample is
+    /// played.
+    pub fn process(&mut self, mono: &[f32], out: &mut [f32]) -> Result<(), SimulatorError> {
+        let channels = self.mix.channels;
+        if out.len() != channels * mono.len() {
+            return Err(SimulatorError::BadLength {
+                samples: mono.len(),
+                channels,
+                length: out.len(),
+            });
         }
         let mut rest = mono;
-        for chunk in stereo.chunks_mut(2 * CHUNK) {
-            let (now, later) = rest.split_at(chunk.len() / 2);
+        for chunk in out.chunks_mut(channels * CHUNK) {
+            let (now, later) = rest.split_at(chunk.len() / channels);
             self.mix
                 .process(chunk, |_, place| place.copy_from_slice(now));
             rest = later;

@@ -32,6 +32,16 @@ pub enum SimulatorError {
         /// The refused number.
         value: f64,
     },
+    /// An output whose length does not fit the sound.
+    #[error("the output for {samples} samples must have {} values ({channels} channels), not {length}", samples * channels)]
+    BadLength {
+        /// Number of samples of the sound.
+        samples: usize,
+        /// Number of channels.
+        channels: usize,
+        /// The refused length.
+        length: usize,
+    },
     /// A thread that cannot be started, or has ended.
     #[error("the simulator's thread does not run: {reason}")]
     NoThread {

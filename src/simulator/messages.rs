@@ -1,14 +1,13 @@
 //! Messages from the tracing worker to the ears: taps of each source, and the decay of the network.
 
 use super::ears::SPARE_VOICES;
-use super::head::Head;
 use super::network::{self, Absorption};
-use super::taps::{EARS, Fit, Frame, Kind, Target};
+use super::taps::{Fit, Frame, Kind, Way};
 use super::update::Published;
-use super::{Pose, SourceId, Update};
+use super::{EarlyEcho, Pose, SourceId, Update};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::platform::Instant;
-use glam::{DVec3, Quat};
+use glam::{DVec3, Quat, Vec3};
 use rtrb::{Consumer, Producer};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -41,7 +40,9 @@ const OWN_KEY: u64 = 0;
 #[derive(Debug)]
 pub(super) struct Message {
     pub id: SourceId,
-    pub targets: Vec<Target>,
+    pub ways: Vec<Way>,
+    /// Rotation of the listener.
+    pub rotation: Quat,
     /// Number of samples in which the taps glide.
     pub glide: u32,
     /// Whether the source is removed or disabled.
@@ -67,7 +68,6 @@ pub(super) struct Subscriber {
     pub only: Option<SourceId>,
     /// Maximum number of sources.
     pub sources: usize,
-    pub head: Head,
     pub inbox: Producer<Box<Message>>,
     pub outbox: Consumer<Box<Message>>,
     fit: Fit,
@@ -84,14 +84,12 @@ pub(super) struct Subscriber {
 impl Subscriber {
     pub fn new(
         (rate_hz, sources, only): (u32, usize, Option<SourceId>),
-        head: Head,
         (inbox, outbox): (Producer<Box<Message>>, Consumer<Box<Message>>),
     ) -> Subscriber {
         Subscriber {
             rate_hz,
             only,
             sources,
-            head,
             inbox,
             outbox,
             fit: Fit::new(rate_hz),
@@ -126,7 +124,7 @@ impl Subscriber {
         let heard = self.heard(published);
         let told: Vec<SourceId> = self.told.keys().copied().collect();
         for id in told.into_iter().filter(|id| !heard.contains(id)) {
-            self.tell_gone(id);
+            self.tell_gone(id, listener);
         }
         for id in heard {
             if let Some(update) = published.get(&id) {
@@ -161,10 +159,11 @@ impl Subscriber {
         heard.iter().map(|(id, ..)| *id).collect()
     }
 
-    fn tell_gone(&mut self, id: SourceId) {
+    fn tell_gone(&mut self, id: SourceId, listener: &Pose) {
         let message = Message {
             id,
-            targets: Vec::new(),
+            ways: Vec::new(),
+            rotation: listener.rotation,
             glide: self.samples(FIRST_FADE_S),
             is_gone: true,
             absorption: None,
@@ -214,12 +213,10 @@ impl Subscriber {
             let since = told.when.elapsed().as_secs_f64();
             since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S)
         });
-        let Some(targets) = self.targets(update, &echoes, listener) else {
-            return;
-        };
         let message = Message {
             id,
-            targets,
+            ways: self.ways(update, &echoes),
+            rotation: listener.rotation,
             glide: self.samples(glide_s),
             is_gone: false,
             absorption: None,
@@ -236,57 +233,39 @@ impl Subscriber {
         }
     }
 
-    /// The taps of a source: the direct way, its echoes, and the way to the network.
-    fn targets(&self, update: &Update, echoes: &[Frame], listener: &Pose) -> Option<Vec<Target>> {
-        let axes = listener.axes().ok()?;
-        let rate = f64::from(self.rate_hz);
-        let tap = |key, kind, from: glam::Vec3, delay_s: f64, gains: Frame| {
-            let from: DVec3 = from.as_dvec3();
-            let ears = self.head.ears(&axes, from);
-            let of_ear = |side: usize| match &self.head {
-                Head::Stereo => gains.map(|gain| gain * ears[side].gain[0] as f32),
-                Head::Measured(_) => {
-                    let own = self.fit.gains(&ears[side].gain);
-                    std::array::from_fn(|band| gains[band] * own[band])
-                }
-            };
-            Target {
-                key,
-                kind,
-                delays: ears.map(|ear| (delay_s + ear.delay_s) * rate),
-                gains: std::array::from_fn(of_ear),
-            }
+    /// The ways of a source: the direct one, its echoes, and the way to the network.
+    fn ways(&self, update: &Update, echoes: &[Frame]) -> Vec<Way> {
+        let way = |key, kind, from: Vec3, delay_s: f64, gains| Way {
+            key,
+            kind,
+            from: from.as_dvec3(),
+            delay: delay_s * f64::from(self.rate_hz),
+            gains,
         };
         let direct = &update.direct;
         let gains = self.fit.gains(&direct.gain);
-        let mut targets = vec![tap(
-            OWN_KEY,
-            Kind::Direct,
-            direct.from,
-            direct.delay_s,
-            gains,
-        )];
-        let all = update.echoes.iter().zip(echoes);
-        targets.extend(
-            all.map(|(echo, gains)| tap(echo.key, Kind::Echo, echo.from, echo.delay_s, *gains)),
-        );
-        targets.push(self.late_tap(update));
-        Some(targets)
+        let direct = way(OWN_KEY, Kind::Direct, direct.from, direct.delay_s, gains);
+        let of_echo = |(echo, gains): (&EarlyEcho, &Frame)| {
+            way(echo.key, Kind::Echo, echo.from, echo.delay_s, *gains)
+        };
+        let mut ways = vec![direct];
+        ways.extend(update.echoes.iter().zip(echoes).map(of_echo));
+        ways.push(self.late_way(update));
+        ways
     }
 
     /// The way to the network: with the gains that give the late part its energy.
-    fn late_tap(&self, update: &Update) -> Target {
+    fn late_way(&self, update: &Update) -> Way {
         let reverb = &update.reverb;
         let energy = network::energy(&self.decay_s);
-        // Each channel has half of the energy.
-        let gains: Bands =
-            std::array::from_fn(|band| reverb.late_gain[band] * (0.5 / energy[band]).sqrt());
-        let delay = (reverb.late_s - network::FIRST_S).max(0.0) * f64::from(self.rate_hz);
-        Target {
+        let gains: Bands = std::array::from_fn(|band| reverb.late_gain[band] / energy[band].sqrt());
+        let delay_s = (reverb.late_s - network::FIRST_S).max(0.0);
+        Way {
             key: OWN_KEY,
             kind: Kind::Late,
-            delays: [delay; EARS],
-            gains: [self.fit.gains(&gains); EARS],
+            from: DVec3::ZERO,
+            delay: delay_s * f64::from(self.rate_hz),
+            gains: self.fit.gains(&gains),
         }
     }
 

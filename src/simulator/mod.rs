@@ -41,10 +41,10 @@
 //! ```
 
 mod ears;
+mod encoder;
 mod engine;
 mod error;
 mod hall;
-mod head;
 mod heard;
 mod messages;
 mod network;
@@ -61,6 +61,7 @@ mod worker;
 mod world;
 
 pub use ears::{Ears, EarsSpec, Mix};
+pub use encoder::EarsFormat;
 pub use error::SimulatorError;
 pub use pose::Pose;
 pub use reverb::Reverb;
@@ -70,9 +71,9 @@ pub use update::{DirectWay, EarlyEcho, Update};
 
 use crate::error::Error;
 use crate::scene::{Scene, Source, Surface};
+use encoder::Heads;
 use engine::Shared;
 use hall::Hall;
-use head::{Head, Heads};
 use messages::Subscriber;
 use slots::Key;
 use std::fmt;
@@ -343,14 +344,10 @@ impl Simulator {
 
     fn heard_by(&self, spec: &EarsSpec, only: Option<SourceId>) -> Result<Mix, SimulatorError> {
         spec.validate()?;
-        let (mix, ends) = Mix::new(spec);
-        let format = (spec.rate_hz, spec.sources, only);
-        let shared = Arc::clone(&self.shared);
-        let subscribe = move |head| shared.subscribe(Subscriber::new(format, head, ends));
-        match &spec.head {
-            Some(set) => self.heads.with(set, subscribe)?,
-            None => subscribe(Head::Stereo),
-        }
+        let encoder = self.heads.encoder(&spec.format, spec.rate_hz)?;
+        let (mix, ends) = Mix::new(spec, encoder);
+        let settings = (spec.rate_hz, spec.sources, only);
+        self.shared.subscribe(Subscriber::new(settings, ends));
         Ok(mix)
     }
 

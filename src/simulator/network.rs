@@ -11,7 +11,8 @@
 //! # Cost
 //! All filters of a stage run side by side for the sixteen lines.
 
-use super::taps::without_denormals;
+use super::encoder::{Gains, MOST_CHANNELS};
+use super::taps::{Planes, without_denormals};
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use num_complex::Complex64;
 use std::f64::consts::{PI, SQRT_2};
@@ -182,15 +183,15 @@ impl Absorption {
     }
 }
 
-/// The energy of each output channel after an impulse of energy 1, by band, for a sound that decays in these times: the
-/// impulse passes all lines again and again, and half of the energy of the lines goes to each channel.
+/// The energy of a channel with gain 1 after an impulse of energy 1, by band, for a sound that decays in these times: the
+/// impulse passes all lines again and again, and each channel has the energy of all lines.
 pub(super) fn energy(decay_s: &Bands) -> Bands {
     let mean_s = LENGTHS.iter().sum::<usize>() as f64 / LENGTHS_HZ / LINES as f64;
     decay_s.map(|time_s| {
         let time_s = time_s.clamp(SHORTEST_S, LONGEST_S);
         // Each pass leaves the share exp(−2 × passes).
         let pass = 10_f64.powf(-6.0 * mean_s / time_s);
-        0.5 * pass / (1.0 - pass)
+        pass / (1.0 - pass)
     })
 }
 
@@ -207,27 +208,24 @@ pub(super) struct Network {
     glide: u32,
     next: Absorption,
     states: [Each; SHELVES],
+    /// The factors of the lines in each channel.
+    channels: Vec<Each>,
 }
 
-/// The factors of the lines in both channels: rows of the matrix, so that both channels differ.
-const SIDES: [Each; 2] = {
-    let mut sides = [[1.0; LINES]; 2];
-    let mut line = 0;
-    while line < LINES {
-        if (line as u32 & 0b0101).count_ones() % 2 == 1 {
-            sides[0][line] = -1.0;
-        }
-        if (line as u32 & 0b1011).count_ones() % 2 == 1 {
-            sides[1][line] = -1.0;
-        }
-        line += 1;
-    }
-    sides
-};
+/// The rows of the matrix that are the signs of the lines in each channel, so that all channels differ.
+const MASKS: [u32; MOST_CHANNELS] = [5, 11, 3, 6, 9, 12, 10, 15, 1, 2, 4, 8, 7, 13, 14, 0];
+
+/// The signs of the lines in a row of the Hadamard matrix.
+fn signs(mask: u32) -> Each {
+    std::array::from_fn(|line| match (line as u32 & mask).count_ones() % 2 {
+        0 => 1.0,
+        _ => -1.0,
+    })
+}
 
 impl Network {
-    /// A silent network that decays in these times in seconds.
-    pub fn new(decay_s: &Bands, rate_hz: u32) -> Network {
+    /// A silent network that decays in these times in seconds, with the amplitudes of the first `count` channels.
+    pub fn new(decay_s: &Bands, rate_hz: u32, count: usize, channels: &Gains) -> Network {
         let absorption = Absorption::new(decay_s, rate_hz);
         let rate = f64::from(rate_hz);
         Network {
@@ -241,6 +239,12 @@ impl Network {
             to_go: 0,
             glide: ((GLIDE_S * rate) as u32).max(1),
             states: [[0.0; LINES]; SHELVES],
+            channels: channels
+                .iter()
+                .take(count)
+                .zip(MASKS)
+                .map(|(gain, mask)| signs(mask).map(|sign| gain * sign))
+                .collect(),
         }
     }
 
@@ -255,15 +259,20 @@ impl Network {
         self.to_go = self.glide;
     }
 
-    /// Adds the network's output for the next samples of its input to both channels. Does not allocate.
-    pub fn add(&mut self, input: &[f32], stereo: &mut [[f32; 2]]) {
-        for (input, out) in input.iter().zip(stereo) {
+    /// Adds the network's output for the next samples of its input to all channels. Does not allocate.
+    pub fn add(&mut self, input: &[f32], planes: &mut Planes) {
+        for (index, input) in input.iter().enumerate() {
             if self.to_go > 0 {
                 self.glide();
             }
-            let [left, right] = self.next_sample(*input);
-            out[0] += left;
-            out[1] += right;
+            let values = self.next_sample(*input);
+            for (factors, plane) in self.channels.iter().zip(&mut *planes) {
+                let products = values
+                    .iter()
+                    .zip(factors)
+                    .map(|(value, factor)| value * factor);
+                plane[index] += products.sum::<f32>();
+            }
         }
         for states in &mut self.states {
             *states = states.map(without_denormals);
@@ -281,7 +290,8 @@ impl Network {
         }
     }
 
-    fn next_sample(&mut self, input: f32) -> [f32; 2] {
+    /// The outputs of all lines.
+    fn next_sample(&mut self, input: f32) -> Each {
         let mut values: Each = std::array::from_fn(|line| self.lines[line][self.at[line]]);
         for (value, gain) in values.iter_mut().zip(&self.absorption.gain) {
             *value *= gain;
@@ -294,11 +304,7 @@ impl Network {
                 values[line] = out;
             }
         }
-        let side = |signs: &Each| -> f32 {
-            let products = values.iter().zip(signs).map(|(value, sign)| value * sign);
-            products.sum::<f32>() * OUT
-        };
-        let out = [side(&SIDES[0]), side(&SIDES[1])];
+        let out = values;
         mix(&mut values);
         for line in 0..LINES {
             let place = &mut self.lines[line][self.at[line]];
@@ -314,9 +320,6 @@ impl Network {
 
 /// The share of the input's amplitude in each line: the energies add up to 1.
 const IN: f32 = 0.25;
-
-/// The share of each line's amplitude in a channel: half of the energy in each channel.
-const OUT: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
 /// Signs of the input in the lines, so that the input does not leave as one echo.
 const SIGNS: Each = {
@@ -351,20 +354,38 @@ fn mix(values: &mut Each) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::encoder::Encoder;
+    use super::super::taps::CHUNK;
     use super::*;
     use crate::sampling::{hash, unit_interval};
 
     const RATE_HZ: u32 = 48_000;
 
+    /// The gains of two ears.
+    fn two() -> Gains {
+        Encoder::Stereo.diffuse()
+    }
+
+    fn network(decay_s: &Bands) -> Network {
+        Network::new(decay_s, RATE_HZ, 2, &two())
+    }
+
+    /// Both channels of a network for an input.
+    fn play(network: &mut Network, input: &[f32]) -> Vec<[f32; 2]> {
+        let mut out = Vec::new();
+        for chunk in input.chunks(CHUNK) {
+            let mut planes: Box<Planes> = Box::new([[0.0; CHUNK]; MOST_CHANNELS]);
+            network.add(chunk, &mut planes);
+            out.extend((0..chunk.len()).map(|index| [planes[0][index], planes[1][index]]));
+        }
+        out
+    }
+
     /// The response of a network to an impulse, both channels, with denormals avoided by its length.
     fn response(decay_s: &Bands, seconds: f64) -> Vec<[f32; 2]> {
-        let mut network = Network::new(decay_s, RATE_HZ);
-        let length = (seconds * f64::from(RATE_HZ)) as usize;
-        let mut input = vec![0.0; length];
+        let mut input = vec![0.0; (seconds * f64::from(RATE_HZ)) as usize];
         input[0] = 1.0;
-        let mut out = vec![[0.0; 2]; length];
-        network.add(&input, &mut out);
-        out
+        play(&mut network(decay_s), &input)
     }
 
     /// The gain in decibels of the filter of a line at a frequency: that of its response to an impulse.
@@ -446,14 +467,13 @@ mod tests {
         let mut energies = vec![0.0; length / window];
         let mut given = 0.0;
         for seed in 0..12 {
-            let mut network = Network::new(&[DECAY_S; BAND_COUNT], RATE_HZ);
+            let mut network = network(&[DECAY_S; BAND_COUNT]);
             let mut input = vec![0.0; length];
             for (index, sample) in input[..2400].iter_mut().enumerate() {
                 *sample = unit_interval(hash(hash(seed) ^ index as u64)) as f32 - 0.5;
                 given += f64::from(*sample * *sample);
             }
-            let mut out = vec![[0.0; 2]; length];
-            network.add(&input, &mut out);
+            let out = play(&mut network, &input);
             for (energy, frames) in energies.iter_mut().zip(out.chunks_exact(window)) {
                 *energy += frames
                     .iter()
@@ -463,7 +483,7 @@ mod tests {
             }
         }
         let total: f64 = energies.iter().sum();
-        let expected = 2.0 * energy(&[DECAY_S; BAND_COUNT])[4];
+        let expected = energy(&[DECAY_S; BAND_COUNT])[4];
         let level_db = 10.0 * (total / given / expected).log10();
         assert!(level_db.abs() < 0.3, "{level_db} dB");
         // After the noise has ended and filled all lines.
@@ -499,20 +519,18 @@ mod tests {
     /// Protects the callback from clicks and from growing sound when the decay changes.
     #[test]
     fn the_decay_glides() {
-        let mut network = Network::new(&[0.5; BAND_COUNT], RATE_HZ);
-        let mut out = vec![[0.0; 2]; 24_000];
+        let mut network = network(&[0.5; BAND_COUNT]);
         // Whole periods, so that the tone continues from call to call.
         let step = 2.0 * std::f32::consts::PI * 200.0 / 24_000.0;
         let tone: Vec<f32> = (0..24_000).map(|i| (i as f32 * step).sin()).collect();
-        network.add(&tone, &mut out);
+        let out = play(&mut network, &tone);
         let largest = |out: &[[f32; 2]]| {
             let steps = out.windows(2).map(|pair| (pair[1][0] - pair[0][0]).abs());
             steps.fold(0.0, f32::max)
         };
         let steady = largest(&out[12_000..]);
         network.glide_to(&Absorption::new(&[0.2; BAND_COUNT], RATE_HZ));
-        let mut changed = vec![[0.0; 2]; 12_000];
-        network.add(&tone[..12_000], &mut changed);
+        let changed = play(&mut network, &tone[..12_000]);
         assert!(
             largest(&changed) < 1.1 * steady,
             "{} {steady}",

@@ -1,6 +1,5 @@
 //! Positions and orientations in the world.
 
-use crate::response::ListenerAxes;
 use crate::scene::Source;
 use glam::{DVec3, Quat, Vec3};
 
@@ -80,11 +79,6 @@ impl Pose {
             rotation: self.rotation.normalize(),
             ..self
         })
-    }
-
-    /// The axes of a listener in this pose.
-    pub(super) fn axes(&self) -> Result<ListenerAxes, crate::response::ResponseError> {
-        ListenerAxes::new(self.forward().as_dvec3(), self.up().as_dvec3())
     }
 
     /// Moves a source of a scene to this pose.

@@ -4,7 +4,8 @@
 //! Filters of first order split the sound once for all taps into four bands of two octaves; their sum is the sound. A
 //! tap reads the line at a fractional delay for each ear, and has a gain for each band and ear. Delays and gains run
 //! linearly to their next values, so that nothing clicks, and a moving source has its Doppler shift. A tap whose delay
-//! would change faster than a fifth of real time fades out while another one fades in.
+//! would change faster than a fifth of real time fades out while another one fades in. In formats without ears, a tap
+//! reads the line once, and has a gain for each channel.
 //!
 //! # Deviations
 //! [`Auralisation`](crate::auralisation::Auralisation) has eight bands with exact levels and reads with sixteen
@@ -12,8 +13,10 @@
 //! case, at 48 kHz), direct ways between four. The bands overlap, so that levels are fitted: they are within 1.5 dB of
 //! the eight gains for walls and air.
 
+use super::encoder::{Encoder, Gains, MOST_CHANNELS};
 use crate::auralisation::MOST_DOPPLER;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use glam::{DVec3, Quat};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -44,6 +47,12 @@ pub(super) const CHUNK: usize = 128;
 /// Frames that a tap reads around its place.
 const REACH: usize = 4;
 
+/// Shortest delay in samples: a tap reads the frame after its place.
+const SHORTEST: f64 = 2.0;
+
+/// Maximum delay in samples of an ear after the centre of the head: 2 ms at 192 kHz, more than any head has.
+const MOST_BETWEEN_EARS: usize = 384;
+
 /// Silent frames before a new sound: all that a tap reads in one step together with the sound's first frame.
 const SILENT_FRAMES: usize = CHUNK + REACH;
 
@@ -67,15 +76,61 @@ pub(super) enum Kind {
     Late,
 }
 
-/// The next state of a tap.
+/// The way of sound to the head: the next state of a tap.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Target {
+pub(super) struct Way {
     /// A tap with the same key and kind glides.
     pub key: u64,
     pub kind: Kind,
-    /// Delay in samples to each ear.
-    pub delays: [f64; EARS],
-    pub gains: [Frame; EARS],
+    /// Unit vector of the world towards the origin of the sound.
+    pub from: DVec3,
+    /// Delay in samples to the centre of the head.
+    pub delay: f64,
+    pub gains: Frame,
+}
+
+/// How the ways are heard.
+#[derive(Clone, Copy)]
+pub(super) struct Hearing<'a> {
+    pub encoder: &'a Encoder,
+    /// Rotation from the axes of the head to those of the world.
+    pub rotation: Quat,
+    pub rate_hz: f64,
+}
+
+/// What a way is at the ears, or in the channels of a format without ears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Heard {
+    /// Delay in samples of each ear after the centre of the head.
+    delays: [f64; EARS],
+    gains: [Frame; EARS],
+    channels: Gains,
+}
+
+impl Heard {
+    fn of(way: &Way, hearing: &Hearing) -> Heard {
+        let both = Heard {
+            delays: [0.0; EARS],
+            gains: [way.gains; EARS],
+            channels: [0.0; MOST_CHANNELS],
+        };
+        if way.kind == Kind::Late {
+            return both;
+        }
+        let encoded = hearing.encoder.encode(hearing.rotation, way.from);
+        if !hearing.encoder.has_ears() {
+            let channels = encoded.channels;
+            return Heard { channels, ..both };
+        }
+        let of_ear = |own: Frame| std::array::from_fn(|band| own[band] * way.gains[band]);
+        Heard {
+            delays: encoded
+                .delays_s
+                .map(|delay_s| (delay_s * hearing.rate_hz).clamp(0.0, MOST_BETWEEN_EARS as f64)),
+            gains: encoded.ears.map(of_ear),
+            channels: encoded.channels,
+        }
+    }
 }
 
 /// The pole of the filter at each edge, as the share of a step that it takes in one sample.
@@ -129,27 +184,36 @@ impl Fit {
     }
 }
 
-/// The output of one step, by band.
+/// Samples of all channels.
+pub(super) type Planes = [[f32; CHUNK]; MOST_CHANNELS];
+
+/// The output of one step.
 pub(super) struct Output {
-    /// Left and right.
+    /// Left and right, by band.
     pub ears: [[Frame; EARS]; CHUNK],
-    /// The input of the network.
+    /// The input of the network, by band.
     pub late: [[Frame; 1]; CHUNK],
+    /// The channels of formats without ears.
+    pub channels: Planes,
 }
 
 impl Output {
     pub const SILENT: Output = Output {
         ears: [[[0.0; BANDS]; EARS]; CHUNK],
         late: [[[0.0; BANDS]]; CHUNK],
+        channels: [[0.0; CHUNK]; MOST_CHANNELS],
     };
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Tap {
-    to: Target,
-    delays: [f64; EARS],
-    gains: [Frame; EARS],
-    /// Number of samples until the target is reached.
+    way: Way,
+    /// Delay in samples to the centre of the head, and the number of samples until it is that of the way.
+    delay: f64,
+    delay_to_go: u32,
+    heard: Heard,
+    /// The next state, and the number of samples until it is reached.
+    to: Heard,
     to_go: u32,
     is_ending: bool,
 }
@@ -171,7 +235,7 @@ pub(super) struct Voice {
 impl Voice {
     /// A silent voice with delays of up to `longest` samples.
     pub fn new(longest: usize, rate_hz: u32) -> Voice {
-        let length = (longest + CHUNK + 2 * REACH).next_power_of_two();
+        let length = (longest + CHUNK + 2 * REACH + MOST_BETWEEN_EARS).next_power_of_two();
         let [a, b, c] = poles(rate_hz.into()).map(|pole| pole as f32);
         Voice {
             frames: vec![[0.0; BANDS]; length + CHUNK + REACH],
@@ -210,52 +274,53 @@ impl Voice {
         self.own = (self.own + 1).min(self.length);
     }
 
-    /// Glides to other taps within `samples` samples. Does not allocate.
-    pub fn glide_to(&mut self, targets: &[Target], samples: u32) {
+    /// Glides to other ways within `samples` samples. Does not allocate.
+    pub fn glide_to(&mut self, ways: &[Way], samples: u32, hearing: &Hearing) {
         for tap in &mut self.taps {
             tap.end(samples);
         }
         let reach = MOST_DOPPLER * f64::from(samples);
-        for target in targets {
-            let longest = (self.length - CHUNK - 2 * REACH) as f64;
-            let target = Target {
-                delays: target.delays.map(|delay| delay.clamp(2.0, longest)),
-                ..*target
+        for way in ways {
+            let way = Way {
+                delay: way.delay.clamp(SHORTEST, self.longest()),
+                ..*way
             };
             let goes_on = |tap: &&mut Tap| {
-                let is_near = (tap.delays[0] - target.delays[0]).abs() <= reach;
-                (tap.to.key, tap.to.kind) == (target.key, target.kind) && tap.is_ending && is_near
+                let is_near = (tap.delay - way.delay).abs() <= reach;
+                (tap.way.key, tap.way.kind) == (way.key, way.kind) && tap.is_ending && is_near
             };
             let has_room = self.taps.len() < MOST_TAPS;
             match self.taps.iter_mut().find(goes_on) {
-                Some(tap) => tap.aim(target, samples),
-                None if has_room => {
-                    let mut tap = Tap {
-                        to: target,
-                        delays: target.delays,
-                        gains: [[0.0; BANDS]; EARS],
-                        to_go: 0,
-                        is_ending: false,
-                    };
-                    tap.aim(target, samples);
-                    self.taps.push(tap);
-                }
+                Some(tap) => tap.aim(way, samples, hearing),
+                None if has_room => self.taps.push(Tap::new(way, samples, hearing)),
                 // Updates come faster than fades end: the echo appears with the next one.
                 None => (),
             }
         }
     }
 
-    /// Takes the next samples of the sound, and adds what is heard of it. Does not allocate. A sample that is not finite
-    /// counts as 0.
-    pub fn add(&mut self, mono: &[f32], out: &mut Output) {
+    /// Turns the head within `samples` samples. Does not allocate.
+    pub fn turn(&mut self, samples: u32, hearing: &Hearing) {
+        for tap in self.taps.iter_mut().filter(|tap| !tap.is_ending) {
+            tap.hear(Heard::of(&tap.way, hearing), samples);
+        }
+    }
+
+    /// Maximum delay in samples to the centre of the head.
+    fn longest(&self) -> f64 {
+        (self.length - CHUNK - 2 * REACH - MOST_BETWEEN_EARS) as f64
+    }
+
+    /// Takes the next samples of the sound, and adds what is heard of it, at both ears or in all channels. Does not
+    /// allocate. A sample that is not finite counts as 0.
+    pub fn add(&mut self, mono: &[f32], has_ears: bool, out: &mut Output) {
         self.write(mono);
         for index in 0..self.taps.len() {
             let mut tap = self.taps[index];
-            self.render(&mut tap, mono.len(), out);
+            self.render(&mut tap, mono.len(), has_ears, out);
             self.taps[index] = tap;
         }
-        self.taps.retain(|tap| !(tap.is_ending && tap.to_go == 0));
+        self.taps.retain(|tap| !tap.has_ended());
     }
 
     fn write(&mut self, mono: &[f32]) {
@@ -273,75 +338,80 @@ impl Voice {
         self.lows = self.lows.map(without_denormals);
     }
 
-    fn render(&self, tap: &mut Tap, samples: usize, out: &mut Output) {
-        let (ears, late) = (&mut out.ears[..samples], &mut out.late[..samples]);
-        let are_together = tap.delays[0] == tap.delays[1] && tap.to.delays[0] == tap.to.delays[1];
-        match (tap.to.kind, are_together) {
-            (Kind::Late, _) => self.render_ears::<2, 1, 1>(tap, 0, late),
-            (Kind::Echo, true) => self.render_ears::<2, 2, 2>(tap, 0, ears),
-            (Kind::Direct, true) => self.render_ears::<4, 2, 2>(tap, 0, ears),
-            (kind, false) => {
-                let mut right = *tap;
-                for (ear, tap) in [(1, &mut right), (0, &mut *tap)] {
-                    match kind {
-                        Kind::Direct => self.render_ears::<4, 1, 2>(tap, ear, ears),
-                        _ => self.render_ears::<2, 1, 2>(tap, ear, ears),
-                    }
+    fn render(&self, tap: &mut Tap, samples: usize, has_ears: bool, out: &mut Output) {
+        let Output {
+            ears,
+            late,
+            channels,
+        } = out;
+        let ears = &mut ears[..samples];
+        let are_together = |heard: &Heard| heard.delays[0] == heard.delays[1];
+        let are_together = are_together(&tap.heard) && are_together(&tap.to);
+        match (tap.way.kind, has_ears && are_together) {
+            (Kind::Late, _) => self.render_ears::<2, 1, 1>(tap, 0, &mut late[..samples]),
+            (kind, false) if !has_ears => {
+                let mut own = [[[0.0; BANDS]]; CHUNK];
+                let own = &mut own[..samples];
+                match kind {
+                    Kind::Direct => self.render_ears::<4, 1, 1>(tap, 0, own),
+                    _ => self.render_ears::<2, 1, 1>(tap, 0, own),
                 }
-                (tap.delays[1], tap.gains[1]) = (right.delays[1], right.gains[1]);
+                tap.spread(own, channels);
+            }
+            (Kind::Echo, true) => self.render_ears::<2, 2, 2>(tap, 0, ears),
+            (_, true) => self.render_ears::<4, 2, 2>(tap, 0, ears),
+            (Kind::Direct, false) => {
+                self.render_ears::<4, 1, 2>(tap, 0, ears);
+                self.render_ears::<4, 1, 2>(tap, 1, ears);
+            }
+            (Kind::Echo, false) => {
+                self.render_ears::<2, 1, 2>(tap, 0, ears);
+                self.render_ears::<2, 1, 2>(tap, 1, ears);
             }
         }
+        tap.advance(samples as u32);
     }
 
     /// Adds the sound to `COUNT` of the `ALL` channels, from `first` on, with the delay of the first, read between
     /// `WIDTH` frames.
     fn render_ears<const WIDTH: usize, const COUNT: usize, const ALL: usize>(
         &self,
-        tap: &mut Tap,
+        tap: &Tap,
         first: usize,
         out: &mut [[Frame; ALL]],
     ) {
         let samples = out.len();
-        let (gliding, steady) = out.split_at_mut((tap.to_go as usize).min(samples));
-        let mut delay = tap.delays[first];
-        let mut gains: [Frame; COUNT] = std::array::from_fn(|ear| tap.gains[first + ear]);
-        let to: [Frame; COUNT] = std::array::from_fn(|ear| tap.to.gains[first + ear]);
-        if !gliding.is_empty() {
-            let share = 1.0 / f64::from(tap.to_go);
-            let step = (tap.to.delays[first] - delay) * share;
-            let steps: [Frame; COUNT] = std::array::from_fn(|ear| {
-                std::array::from_fn(|band| (to[ear][band] - gains[ear][band]) * share as f32)
-            });
-            for (index, out) in gliding.iter_mut().enumerate() {
-                delay += step;
-                let sum = match self.place::<WIDTH>(delay, samples - index) {
-                    Some((frames, weights)) => weighted(frames, &weights),
-                    None => [0.0; BANDS],
+        let mut delay = tap.delay + tap.heard.delays[first];
+        let mut gains: [Frame; COUNT] = std::array::from_fn(|ear| tap.heard.gains[first + ear]);
+        let mut done = 0;
+        while done < samples {
+            let glide = tap.glide(first, done);
+            let part = (samples - done).min(glide.samples);
+            let steps: [Frame; COUNT] =
+                std::array::from_fn(|ear| glide.gains.map_or([0.0; BANDS], |all| all[first + ear]));
+            let (now, back) = (&mut out[done..done + part], samples - done);
+            done += part;
+            if glide.gains.is_none() && glide.delay == 0.0 {
+                // The frames of all samples follow each other.
+                let is_heard = gains.iter().flatten().any(|gain| *gain != 0.0);
+                let place = is_heard.then(|| self.place::<WIDTH>(delay, back));
+                let Some((frames, weights)) = place.flatten() else {
+                    continue;
                 };
-                for ear in 0..COUNT {
-                    for band in 0..BANDS {
-                        gains[ear][band] += steps[ear][band];
-                        out[first + ear][band] += gains[ear][band] * sum[band];
+                for (out, frames) in now.iter_mut().zip(frames.windows(WIDTH)) {
+                    add(&mut out[first..], &gains, &weighted(frames, &weights));
+                }
+                continue;
+            }
+            for (index, out) in now.iter_mut().enumerate() {
+                delay += glide.delay;
+                for (gains, steps) in gains.iter_mut().zip(&steps) {
+                    for (gain, step) in gains.iter_mut().zip(steps) {
+                        *gain += step;
                     }
                 }
-            }
-        }
-        tap.to_go -= gliding.len() as u32;
-        if tap.to_go == 0 {
-            (delay, gains) = (tap.to.delays[first], to);
-        }
-        for (ear, gain) in gains.iter().enumerate() {
-            (tap.delays[first + ear], tap.gains[first + ear]) = (delay, *gain);
-        }
-        let is_heard = !steady.is_empty() && gains.iter().flatten().any(|gain| *gain != 0.0);
-        let place = is_heard.then(|| self.place::<WIDTH>(delay, steady.len()));
-        if let Some((frames, weights)) = place.flatten() {
-            for (out, frames) in steady.iter_mut().zip(frames.windows(WIDTH)) {
-                let sum = weighted(frames, &weights);
-                for ear in 0..COUNT {
-                    for band in 0..BANDS {
-                        out[first + ear][band] += gains[ear][band] * sum[band];
-                    }
+                if let Some((frames, weights)) = self.place::<WIDTH>(delay, back - index) {
+                    add(&mut out[first..], &gains, &weighted(frames, &weights));
                 }
             }
         }
@@ -392,23 +462,161 @@ fn weighted<const WIDTH: usize>(frames: &[Frame], weights: &[f32; WIDTH]) -> Fra
     sum
 }
 
+/// Adds a frame with gains to channels.
+fn add(out: &mut [Frame], gains: &[Frame], frame: &Frame) {
+    for (out, gains) in out.iter_mut().zip(gains) {
+        for band in 0..BANDS {
+            out[band] += gains[band] * frame[band];
+        }
+    }
+}
+
+/// The changes of a tap per sample, which are constant for some samples.
+struct Glide {
+    samples: usize,
+    /// That of the delay in samples.
+    delay: f64,
+    /// Those of the gains. `None` if they are constant.
+    gains: Option<[Frame; EARS]>,
+}
+
 impl Tap {
-    fn aim(&mut self, target: Target, samples: u32) {
-        let is_there = self.delays == target.delays && self.gains == target.gains;
-        self.to = target;
-        self.to_go = if is_there { 0 } else { samples.max(1) };
+    /// A tap that is silent at first.
+    fn new(way: Way, samples: u32, hearing: &Hearing) -> Tap {
+        let to = Heard::of(&way, hearing);
+        let mut tap = Tap {
+            way,
+            delay: way.delay,
+            delay_to_go: 0,
+            heard: to.silent(),
+            to,
+            to_go: 0,
+            is_ending: false,
+        };
+        tap.hear(to, samples);
+        tap
+    }
+
+    fn aim(&mut self, way: Way, samples: u32, hearing: &Hearing) {
+        self.way = way;
+        self.delay_to_go = match self.delay == way.delay {
+            true => 0,
+            false => samples.max(1),
+        };
+        self.hear(Heard::of(&way, hearing), samples);
         self.is_ending = false;
     }
 
+    fn hear(&mut self, to: Heard, samples: u32) {
+        self.to = to;
+        self.to_go = if self.heard == to { 0 } else { samples.max(1) };
+    }
+
     fn end(&mut self, samples: u32) {
-        let target = Target {
-            delays: self.delays,
-            gains: [[0.0; BANDS]; EARS],
-            ..self.to
-        };
         if !self.is_ending {
-            self.aim(target, samples);
+            self.hear(self.heard.silent(), samples);
+            (self.way.delay, self.delay_to_go) = (self.delay, 0);
             self.is_ending = true;
+        }
+    }
+
+    fn has_ended(&self) -> bool {
+        self.is_ending && self.to_go == 0
+    }
+
+    /// The changes after `done` samples, for the delay of an ear.
+    fn glide(&self, ear: usize, done: usize) -> Glide {
+        let left = |to_go: u32| (to_go as usize).saturating_sub(done);
+        let (delay_left, left) = (left(self.delay_to_go), left(self.to_go));
+        let ends = [delay_left, left].into_iter().filter(|left| *left > 0);
+        let mut glide = Glide {
+            samples: ends.min().unwrap_or(usize::MAX),
+            delay: 0.0,
+            gains: None,
+        };
+        if delay_left > 0 {
+            glide.delay += (self.way.delay - self.delay) / f64::from(self.delay_to_go);
+        }
+        if left > 0 {
+            let share = 1.0 / f64::from(self.to_go);
+            glide.delay += (self.to.delays[ear] - self.heard.delays[ear]) * share;
+            let step = |to: f32, now: f32| (to - now) * share as f32;
+            glide.gains = Some(std::array::from_fn(|ear| {
+                let (to, now) = (&self.to.gains[ear], &self.heard.gains[ear]);
+                std::array::from_fn(|band| step(to[band], now[band]))
+            }));
+        }
+        glide
+    }
+
+    /// Adds the sound of the tap to the channels of a format without ears.
+    fn spread(&self, own: &[[Frame; 1]], channels: &mut Planes) {
+        let mut mono = [0.0; CHUNK];
+        for (mono, [frame]) in mono.iter_mut().zip(own) {
+            *mono = frame.iter().sum::<f32>();
+        }
+        let mono = &mono[..own.len()];
+        let gliding = (self.to_go as usize).min(mono.len());
+        let pairs = self.heard.channels.iter().zip(&self.to.channels);
+        for (plane, (now, to)) in channels.iter_mut().zip(pairs) {
+            if *now == 0.0 && *to == 0.0 {
+                continue;
+            }
+            let step = (to - now) / self.to_go.max(1) as f32;
+            for (index, (out, sample)) in plane.iter_mut().zip(mono).enumerate().take(gliding) {
+                *out += (now + (index + 1) as f32 * step) * sample;
+            }
+            for (out, sample) in plane.iter_mut().zip(mono).skip(gliding) {
+                *out += to * sample;
+            }
+        }
+    }
+
+    /// Moves on by this number of samples.
+    fn advance(&mut self, samples: u32) {
+        match samples < self.delay_to_go {
+            true => {
+                let share = f64::from(samples) / f64::from(self.delay_to_go);
+                self.delay += (self.way.delay - self.delay) * share;
+            }
+            false => self.delay = self.way.delay,
+        }
+        match samples < self.to_go {
+            true => {
+                self.heard = self
+                    .heard
+                    .towards(&self.to, samples as f32 / self.to_go as f32)
+            }
+            false => self.heard = self.to,
+        }
+        self.delay_to_go = self.delay_to_go.saturating_sub(samples);
+        self.to_go = self.to_go.saturating_sub(samples);
+    }
+}
+
+impl Heard {
+    /// The same without sound.
+    fn silent(&self) -> Heard {
+        Heard {
+            gains: [[0.0; BANDS]; EARS],
+            ..*self
+        }
+    }
+
+    /// The state after a share of the way to another one.
+    fn towards(&self, to: &Heard, share: f32) -> Heard {
+        let between = |now: f32, to: f32| now + (to - now) * share;
+        Heard {
+            delays: std::array::from_fn(|ear| {
+                self.delays[ear] + (to.delays[ear] - self.delays[ear]) * f64::from(share)
+            }),
+            gains: std::array::from_fn(|ear| {
+                let (now, to) = (&self.gains[ear], &to.gains[ear]);
+                std::array::from_fn(|band| between(now[band], to[band]))
+            }),
+            channels: std::array::from_fn(|channel| {
+                between(self.channels[channel], to.channels[channel])
+            }),
         }
     }
 }
@@ -419,14 +627,22 @@ mod tests {
 
     const RATE_HZ: u32 = 48_000;
 
-    fn target(key: u64, delay: f64, gain: f32) -> Target {
-        Target {
+    /// A direct way from the left.
+    fn way(key: u64, delay: f64, gain: f32) -> Way {
+        Way {
             key,
             kind: Kind::Direct,
-            delays: [delay; EARS],
-            gains: [[gain; BANDS]; EARS],
+            from: DVec3::NEG_X,
+            delay,
+            gains: [gain; BANDS],
         }
     }
+
+    const STEREO: Hearing = Hearing {
+        encoder: &Encoder::Stereo,
+        rotation: Quat::IDENTITY,
+        rate_hz: RATE_HZ as f64,
+    };
 
     /// The left output for a sound, in chunks of different lengths.
     fn play(voice: &mut Voice, sound: &[f32]) -> Vec<f32> {
@@ -438,7 +654,7 @@ mod tests {
             }
             let (chunk, later) = rest.split_at(length.min(rest.len()));
             let mut out = Box::new(Output::SILENT);
-            voice.add(chunk, &mut out);
+            voice.add(chunk, true, &mut out);
             let heard = out.ears.iter().take(chunk.len());
             left.extend(heard.map(|[left, _]| left.iter().sum::<f32>()));
             rest = later;
@@ -452,7 +668,7 @@ mod tests {
     fn a_tap_is_delayed_and_scaled() {
         for delay in [2.0, 10.5, 300.25, 999.9] {
             let mut voice = Voice::new(1000, RATE_HZ);
-            voice.glide_to(&[target(1, delay, 0.5)], 1);
+            voice.glide_to(&[way(1, delay, 0.5)], 1, &STEREO);
             let sine = |time: f64| (time * 2.0 * PI * 4000.0 / f64::from(RATE_HZ)).sin();
             let sound: Vec<f32> = (0..6000).map(|time| sine(f64::from(time)) as f32).collect();
             let heard = play(&mut voice, &sound);
@@ -472,13 +688,13 @@ mod tests {
     fn a_cleared_voice_is_like_a_new_one() {
         for delay in [2.0, 90.5, 131.0, 500.25, 900.0] {
             let mut used = Voice::new(1000, RATE_HZ);
-            used.glide_to(&[target(1, delay, 0.7)], 1);
+            used.glide_to(&[way(1, delay, 0.7)], 1, &STEREO);
             play(&mut used, &[1.0; 5000]);
             used.clear();
             let mut fresh = Voice::new(1000, RATE_HZ);
             let sound: Vec<f32> = (0..2500).map(|i| (i as f32 * 0.37).sin()).collect();
             for voice in [&mut used, &mut fresh] {
-                voice.glide_to(&[target(1, delay, 0.5)], 400);
+                voice.glide_to(&[way(1, delay, 0.5)], 400, &STEREO);
             }
             let (used, fresh) = (play(&mut used, &sound), play(&mut fresh, &sound));
             assert_eq!(used, fresh, "{delay}");
@@ -496,14 +712,14 @@ mod tests {
         let mut last = 0.0;
         let mut largest: f32 = 0.0;
         for (number, delay) in [500.0, 505.0, 3000.0, 3001.0].into_iter().enumerate() {
-            let taps = [target(1, delay, 0.4), target(number as u64 + 2, 900.0, 0.3)];
-            voice.glide_to(&taps, 960);
+            let taps = [way(1, delay, 0.4), way(number as u64 + 2, 900.0, 0.3)];
+            voice.glide_to(&taps, 960, &STEREO);
             for sample in play(&mut voice, &tone) {
                 largest = largest.max((sample - last).abs());
                 last = sample;
             }
         }
-        voice.glide_to(&[], 960);
+        voice.glide_to(&[], 960, &STEREO);
         play(&mut voice, &tone);
         assert!(voice.is_silent());
         // The tone's own steps, of the taps that sound while two others cross-fade.

@@ -4,7 +4,9 @@ use crate::measures::largest_step;
 use assert_no_alloc::assert_no_alloc;
 use echomarch::audio::Sound;
 use echomarch::glam::{Quat, Vec3};
-use echomarch::simulator::{EarsSpec, Mix, Pose, Simulator, SimulatorSettings, SourceId};
+use echomarch::simulator::{
+    EarsFormat, EarsSpec, Mix, Pose, Simulator, SimulatorSettings, SourceId,
+};
 use echomarch::{Listener, Scene, Source};
 use std::time::{Duration, Instant};
 
@@ -204,5 +206,68 @@ fn a_room_goes_on_to_sound() {
     assert!(
         (fall_db / expected_db - 1.0).abs() < 0.1,
         "{fall_db} dB, not {expected_db}"
+    );
+}
+
+/// Protects head trackers and surround sound: a turn of the head is complete within 20 ms of sound, without a commit and
+/// without a click, in all formats; frames have the channels of the format.
+#[test]
+fn a_turn_of_the_head_is_heard_at_once() {
+    let mut simulator = simulator();
+    let id = simulator.add_source(Source::at([0.0, 0.0, -2.0])).unwrap();
+    let order = echomarch::response::AmbisonicOrder::new(2).unwrap();
+    // The channel of sound from ahead, and that of sound from the left, with their gains.
+    let left_of_stereo = std::f32::consts::FRAC_1_SQRT_2;
+    for (format, channels, ahead, left) in [
+        (EarsFormat::Stereo, 2, (1, left_of_stereo), (0, 1.0)),
+        (EarsFormat::Ambisonics(order), 9, (3, 1.0), (1, 1.0)),
+        (EarsFormat::Surround51, 6, (2, 1.0), (4, 0.93)),
+        (EarsFormat::Surround71, 8, (2, 1.0), (6, 1.0)),
+    ] {
+        let spec = EarsSpec::new(RATE_HZ).with_format(format);
+        let mut ears = simulator.ears(id, &spec).unwrap();
+        assert_eq!(ears.channels(), channels);
+        simulator.commit();
+        let step = std::f32::consts::TAU * 200.0 / RATE_HZ as f32;
+        let mut at = 0;
+        let mut play = |turn: Quat, frames: usize| -> Vec<f32> {
+            let mono: Vec<f32> = (at..at + frames).map(|i| (i as f32 * step).sin()).collect();
+            at += frames;
+            let mut out = vec![f32::NAN; channels * frames];
+            assert_no_alloc(|| {
+                ears.turn_head(turn).unwrap();
+                ears.process(&mono, &mut out).unwrap();
+            });
+            out
+        };
+        let of = |out: &[f32], channel: usize| -> Vec<f32> {
+            out.iter()
+                .skip(channel)
+                .step_by(channels)
+                .copied()
+                .collect()
+        };
+        wait_until("sound", || loudest(&play(Quat::IDENTITY, 480)) > 0.0);
+        play(Quat::IDENTITY, 9600);
+        let before = play(Quat::IDENTITY, 4800);
+        let level = loudest(&of(&before, ahead.0));
+        assert!((level / (0.5 * ahead.1) - 1.0).abs() < 0.03, "{level}");
+        // The head turns to the right, so that the source is to the left.
+        let right = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+        let during = play(right, 960);
+        let after = play(right, 4800);
+        let level = loudest(&of(&after, left.0));
+        assert!((level / (0.5 * left.1) - 1.0).abs() < 0.03, "{level}");
+        for channel in 0..channels {
+            let all = [&before[..], &during, &after].concat();
+            assert!(largest_step(&of(&all, channel)) < 0.035 * 0.5, "{channel}");
+        }
+    }
+    assert!(
+        simulator
+            .ears(id, &EarsSpec::new(RATE_HZ))
+            .unwrap()
+            .turn_head([0.0; 4])
+            .is_err()
     );
 }

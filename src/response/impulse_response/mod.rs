@@ -292,6 +292,13 @@ pub struct ListenerAxes {
 }
 
 impl ListenerAxes {
+    /// The axes for vectors that are in listener axes already: see [`ListenerAxes::to_listener`].
+    pub(crate) const OWN: ListenerAxes = ListenerAxes {
+        forward: DVec3::X,
+        right: DVec3::NEG_Y,
+        up: DVec3::Z,
+    };
+
     /// The axes of a listener with the viewing direction `forward` and the upward direction `up` (world axes, any
     /// length): `up` is made perpendicular to `forward`.
     ///
