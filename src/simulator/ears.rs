@@ -394,8 +394,7 @@ impl Ears {
     /// before the source's first trace. Allocates and frees nothing.
     ///
     /// # Errors
-    /// [`SimulatorError::BadLength`] if `out` does not have as many frames as `mono` has samples: then no sample is
-    /// played.
+    /// [`SimulatorError::BadLength`] unless `out` has one frame for each sample of `mono`; then no sample is played.
     pub fn process(&mut self, mono: &[f32], out: &mut [f32]) -> Result<(), SimulatorError> {
         let channels = self.mix.channels;
         if out.len() != channels * mono.len() {

@@ -1,4 +1,4 @@
-//! The format of the ears: what each channel receives of sound from a direction.
+//! The format of the ears: the delays and gains of each channel by the direction of the sound.
 
 use super::SimulatorError;
 use super::taps::{EARS, Fit, Frame};
@@ -80,7 +80,7 @@ const SPEAKERS_71: &[(usize, f64)] = &[
 /// Amplitudes of the channels.
 pub(super) type Gains = [f32; MOST_CHANNELS];
 
-/// What the ears receive of sound from a direction.
+/// The delays and gains of sound from a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Encoded {
     /// Delay in seconds of each ear after the sound would pass the centre of the head.

@@ -98,7 +98,7 @@ pub(super) struct Hearing<'a> {
     pub rate_hz: f64,
 }
 
-/// What a way is at the ears, or in the channels of a format without ears.
+/// The delays and gains of a way at the ears, or in the channels of a format without ears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Heard {
     /// Delay in samples of each ear after the centre of the head.
@@ -474,9 +474,9 @@ fn add(out: &mut [Frame], gains: &[Frame], frame: &Frame) {
 /// The changes of a tap per sample, which are constant for some samples.
 struct Glide {
     samples: usize,
-    /// That of the delay in samples.
+    /// The change of the delay in samples.
     delay: f64,
-    /// Those of the gains. `None` if they are constant.
+    /// The changes of the gains. `None` if they are constant.
     gains: Option<[Frame; EARS]>,
 }
 
