@@ -3,7 +3,8 @@
 use super::encoder::{Encoder, MOST_CHANNELS};
 use super::messages::{MESSAGES_PER_SOURCE, Message};
 use super::network::Network;
-use super::taps::{CHUNK, EARS, Hearing, Output, Planes, Voice};
+use super::taps::{EARS, Hearing};
+use super::voice::{CHUNK, Output, Planes, Voice};
 use super::{EarsFormat, Pose, SimulatorError, SourceId};
 use crate::bands::BAND_COUNT;
 use crate::hrtf::HrirSet;

@@ -1,7 +1,8 @@
 //! The format of the ears: the delays and gains of each channel by the direction of the sound.
 
 use super::SimulatorError;
-use super::taps::{EARS, Fit, Frame};
+use super::fit::{Fit, Frame};
+use super::taps::EARS;
 use crate::bands::{BANDS_HZ, Bands};
 use crate::hrtf::{Hrir, HrirPair, HrirSet, IndexedFacets};
 use crate::response::{AmbisonicOrder, Encoding, ListenerAxes};

@@ -1,8 +1,9 @@
 //! Messages from the tracing worker to the ears: taps of each source, and the decay of the network.
 
 use super::ears::SPARE_VOICES;
+use super::fit::{Fit, Frame};
 use super::network::{self, Absorption};
-use super::taps::{Fit, Frame, Kind, Way};
+use super::taps::{Kind, Way};
 use super::update::Published;
 use super::{EarlyEcho, Pose, SourceId, Update};
 use crate::bands::{BAND_COUNT, Bands};

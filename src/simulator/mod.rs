@@ -44,6 +44,7 @@ mod ears;
 mod encoder;
 mod engine;
 mod error;
+mod fit;
 mod hall;
 mod heard;
 mod messages;
@@ -57,6 +58,7 @@ mod taps;
 #[cfg(test)]
 mod tests;
 mod update;
+mod voice;
 mod worker;
 mod world;
 
