@@ -86,20 +86,18 @@ impl Heard {
         }
     }
 
-    /// The state after a share of the way to another one.
-    fn towards(&self, to: &Heard, share: f32) -> Heard {
-        let between = |now: f32, to: f32| now + (to - now) * share;
-        Heard {
-            delays: std::array::from_fn(|ear| {
-                self.delays[ear] + (to.delays[ear] - self.delays[ear]) * f64::from(share)
-            }),
-            gains: std::array::from_fn(|ear| {
-                let (now, to) = (&self.gains[ear], &to.gains[ear]);
-                std::array::from_fn(|band| between(now[band], to[band]))
-            }),
-            channels: std::array::from_fn(|channel| {
-                between(self.channels[channel], to.channels[channel])
-            }),
+    /// Goes a share of the way to another state.
+    fn approach(&mut self, to: &Heard, share: f32, has_ears: bool) {
+        for (delay, to) in self.delays.iter_mut().zip(&to.delays) {
+            *delay += (to - *delay) * f64::from(share);
+        }
+        let near = |now: &mut f32, to: &f32| *now += (to - *now) * share;
+        for (gains, to) in self.gains.iter_mut().zip(&to.gains) {
+            gains.iter_mut().zip(to).for_each(|(now, to)| near(now, to));
+        }
+        if !has_ears {
+            let channels = self.channels.iter_mut().zip(&to.channels);
+            channels.for_each(|(now, to)| near(now, to));
         }
     }
 }
@@ -219,7 +217,7 @@ impl Tap {
     }
 
     /// Moves on by this number of samples.
-    pub fn advance(&mut self, samples: u32) {
+    pub fn advance(&mut self, samples: u32, has_ears: bool) {
         match samples < self.delay_to_go {
             true => {
                 let share = f64::from(samples) / f64::from(self.delay_to_go);
@@ -227,13 +225,11 @@ impl Tap {
             }
             false => self.delay = self.way.delay,
         }
-        match samples < self.to_go {
-            true => {
-                self.heard = self
-                    .heard
-                    .towards(&self.to, samples as f32 / self.to_go as f32)
-            }
-            false => self.heard = self.to,
+        if samples < self.to_go {
+            let share = samples as f32 / self.to_go as f32;
+            self.heard.approach(&self.to, share, has_ears);
+        } else if self.to_go > 0 {
+            self.heard = self.to;
         }
         self.delay_to_go = self.delay_to_go.saturating_sub(samples);
         self.to_go = self.to_go.saturating_sub(samples);

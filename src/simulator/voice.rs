@@ -17,6 +17,7 @@ use super::encoder::MOST_CHANNELS;
 use super::fit::{BANDS, Frame, poles};
 use super::taps::{EARS, Heard, Hearing, Kind, MOST_BETWEEN_EARS, Tap, Way};
 use crate::auralisation::MOST_DOPPLER;
+use glam::Vec4;
 
 /// Greatest amplitude of a sample, far above every sound. Greater ones would overflow in filters.
 const LOUDEST: f32 = 1e6;
@@ -163,12 +164,12 @@ impl Voice {
     /// allocate. A sample that is not finite counts as 0.
     pub fn add(&mut self, mono: &[f32], has_ears: bool, out: &mut Output) {
         self.write(mono);
-        for index in 0..self.taps.len() {
-            let mut tap = self.taps[index];
-            self.render(&mut tap, mono.len(), has_ears, out);
-            self.taps[index] = tap;
+        let mut taps = std::mem::take(&mut self.taps);
+        for tap in &mut taps {
+            self.render(tap, mono.len(), has_ears, out);
         }
-        self.taps.retain(|tap| !tap.has_ended());
+        taps.retain(|tap| !tap.has_ended());
+        self.taps = taps;
     }
 
     fn write(&mut self, mono: &[f32]) {
@@ -217,7 +218,7 @@ impl Voice {
                 self.render_ears::<2, 1, 2>(tap, 1, ears);
             }
         }
-        tap.advance(samples as u32);
+        tap.advance(samples as u32, has_ears);
     }
 
     /// Adds the sound to `COUNT` of the `ALL` channels, from `first` on, with the delay of the first, read between
@@ -230,36 +231,37 @@ impl Voice {
     ) {
         let samples = out.len();
         let mut delay = tap.delay + tap.heard.delays[first];
-        let mut gains: [Frame; COUNT] = std::array::from_fn(|ear| tap.heard.gains[first + ear]);
+        let mut gains: [Vec4; COUNT] =
+            std::array::from_fn(|ear| tap.heard.gains[first + ear].into());
         let mut done = 0;
         while done < samples {
             let glide = tap.glide(first, done);
             let part = (samples - done).min(glide.samples);
-            let steps: [Frame; COUNT] =
-                std::array::from_fn(|ear| glide.gains.map_or([0.0; BANDS], |all| all[first + ear]));
+            let steps: [Vec4; COUNT] = std::array::from_fn(|ear| {
+                let step = glide.gains.map(|all| all[first + ear]);
+                step.map_or(Vec4::ZERO, Vec4::from)
+            });
             let (now, back) = (&mut out[done..done + part], samples - done);
             done += part;
             if glide.gains.is_none() && glide.delay == 0.0 {
                 // The frames of all samples follow each other.
-                let is_heard = gains.iter().flatten().any(|gain| *gain != 0.0);
+                let is_heard = gains.iter().any(|gains| *gains != Vec4::ZERO);
                 let place = is_heard.then(|| self.place::<WIDTH>(delay, back));
                 let Some((frames, weights)) = place.flatten() else {
                     continue;
                 };
                 for (out, frames) in now.iter_mut().zip(frames.windows(WIDTH)) {
-                    add(out, first, &gains, &weighted(frames, &weights));
+                    add(out, first, &gains, weighted(frames, &weights));
                 }
                 continue;
             }
             for (index, out) in now.iter_mut().enumerate() {
                 delay += glide.delay;
-                for ear in 0..COUNT {
-                    for band in 0..BANDS {
-                        gains[ear][band] += steps[ear][band];
-                    }
+                for (gains, steps) in gains.iter_mut().zip(&steps) {
+                    *gains += *steps;
                 }
                 if let Some((frames, weights)) = self.place::<WIDTH>(delay, back - index) {
-                    add(out, first, &gains, &weighted(frames, &weights));
+                    add(out, first, &gains, weighted(frames, &weights));
                 }
             }
         }
@@ -300,27 +302,22 @@ fn weights<const WIDTH: usize>(share: f32) -> [f32; WIDTH] {
     })
 }
 
-fn weighted<const WIDTH: usize>(frames: &[Frame], weights: &[f32; WIDTH]) -> Frame {
-    let mut sum = [0.0; BANDS];
-    for (frame, weight) in frames[..WIDTH].iter().zip(weights) {
-        for band in 0..BANDS {
-            sum[band] += weight * frame[band];
-        }
-    }
-    sum
+fn weighted<const WIDTH: usize>(frames: &[Frame], weights: &[f32; WIDTH]) -> Vec4 {
+    let products = frames[..WIDTH].iter().zip(weights);
+    products
+        .map(|(frame, weight)| Vec4::from(*frame) * *weight)
+        .sum()
 }
 
 /// Adds a frame with the gains of `COUNT` channels, from `first` on.
 fn add<const COUNT: usize, const ALL: usize>(
     out: &mut [Frame; ALL],
     first: usize,
-    gains: &[Frame; COUNT],
-    frame: &Frame,
+    gains: &[Vec4; COUNT],
+    frame: Vec4,
 ) {
-    for ear in 0..COUNT {
-        for band in 0..BANDS {
-            out[first + ear][band] += gains[ear][band] * frame[band];
-        }
+    for (out, gains) in out[first..first + COUNT].iter_mut().zip(gains) {
+        *out = (Vec4::from(*out) + *gains * frame).into();
     }
 }
 
