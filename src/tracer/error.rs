@@ -73,6 +73,21 @@ pub enum TraceError {
         /// The value at this point.
         value: f32,
     },
+    /// A user's field whose function on the CPU differs from its text.
+    #[error(
+        "{file}: the function on the CPU is {cpu} at ({:.3}, {:.3}, {:.3}), where the text is {text}",
+        place.x, place.y, place.z
+    )]
+    FieldDiffers {
+        /// The field's file.
+        file: String,
+        /// The point, in metres, in the field's own axes.
+        place: Vec3,
+        /// The value of the text on the GPU.
+        text: f64,
+        /// The value of the function on the CPU.
+        cpu: f64,
+    },
     /// A user's field that grows faster than stated.
     #[error(
         "{file}: the value grows by {growth:.3} a metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: {}",

@@ -8,7 +8,7 @@
 //! gradient from differences proves nothing at a ridge.) Details narrower than the distance between points may still be
 //! missed. A gradient that the text states is compared with differences (`gradient.rs`). For a text without a stated
 //! gradient the derivative is compared with differences. If the derivative deviates, gradients are computed from
-//! differences.
+//! differences. A function on the CPU that the caller adds is compared with the samples (`cpu.rs`).
 //!
 //! # Region that is checked
 //! Waves are in the air, where the value is positive. A step of a march that is proven to be free never passes a
@@ -26,6 +26,7 @@
 //! only compares pointers.
 
 mod bend;
+mod cpu;
 #[cfg(test)]
 mod derivative_tests;
 mod finite;
@@ -160,6 +161,7 @@ impl UserFields {
                 None if field.has_passed(waves) && field_trial::has_passed(field, waves) => (),
                 None => check(context, field, waves)?,
             }
+            cpu::compare(field, waves)?;
             self.checked.push((Arc::clone(field), waves));
         }
         Ok(())

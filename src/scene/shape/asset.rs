@@ -13,6 +13,7 @@ use crate::scene::mesh::TriangleMesh;
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use png::{BitDepth, ColorType, DecodingError};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -314,9 +315,28 @@ pub struct UserField {
     passed_on_both_sides: OnceLock<()>,
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
-    exact: Option<fn(DVec3) -> f64>,
+    cpu: Option<Cpu>,
     /// Result of the renderer's test whether the derivative of the text agrees with its values.
     derivative_agrees: OnceLock<bool>,
+}
+
+/// The value of a field at a point in metres.
+pub(crate) type CpuValue = dyn Fn(DVec3) -> f64 + Send + Sync;
+
+/// A caller's own function.
+#[derive(Clone)]
+struct Cpu(Arc<CpuValue>);
+
+impl fmt::Debug for Cpu {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("function")
+    }
+}
+
+impl PartialEq for Cpu {
+    fn eq(&self, other: &Cpu) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 /// The part of a user's field that waves can reach. The renderer checks the field there.
@@ -358,24 +378,40 @@ impl UserField {
             passed_on_both_sides: OnceLock::new(),
             read: OnceLock::new(),
             evaluation_seconds: OnceLock::new(),
-            exact: None,
+            cpu: None,
             derivative_agrees: OnceLock::new(),
         }
     }
 
-    /// Returns the field with its function in `f64`. The exact reference then evaluates the function instead of
-    /// interpolated samples, whose error is larger than the rounding error of a wave.
-    #[doc(hidden)]
+    /// Returns the field with its value on the CPU, a function in `f64` of a point in metres in the field's own axes. Exact
+    /// paths and distances then use the function instead of interpolated samples of the text, whose error is larger. It
+    /// is called within the box only, from several threads, and must not panic.
+    ///
+    /// The tracer compares it with the text before the field is used, and fails with
+    /// [`TraceError::FieldDiffers`](crate::tracer::TraceError::FieldDiffers) if they differ.
+    ///
+    /// ```
+    /// use echomarch::glam::Vec3;
+    /// use echomarch::scene::UserField;
+    ///
+    /// let text = "float field(vec3 p) { return length(p) - 1.0; }".to_owned();
+    /// let field = UserField::new("ball.glsl", text, Vec3::splat(3.0), 1.0).with_cpu(|p| p.length() - 1.0);
+    /// assert_eq!(field.value([0.5, 0.0, 0.0].into()), -0.5);
+    /// ```
     #[must_use]
-    pub fn with_exact_value(mut self, exact: fn(DVec3) -> f64) -> UserField {
-        self.exact = Some(exact);
+    pub fn with_cpu(mut self, value: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> UserField {
+        self.cpu = Some(Cpu(Arc::new(value)));
         self
     }
 
-    /// Whether [`UserField::value`] evaluates the exact function.
-    #[doc(hidden)]
-    pub fn has_exact_value(&self) -> bool {
-        self.exact.is_some()
+    /// The function on the CPU, if there is one.
+    pub(crate) fn cpu(&self) -> Option<&CpuValue> {
+        self.cpu.as_ref().map(|cpu| &*cpu.0)
+    }
+
+    /// Whether [`UserField::value`] evaluates the caller's own function.
+    pub fn has_cpu(&self) -> bool {
+        self.cpu.is_some()
     }
 
     /// Returns the field with a stated [`UserField::bend`], per metre.
@@ -427,15 +463,15 @@ impl UserField {
         crate::scene::is_own_text(&self.text)
     }
 
-    /// The value by cubic interpolation of the samples, at the point clamped to the box; 0 if there are no samples
-    /// yet.
+    /// The value by the function on the CPU, or else by cubic interpolation of the samples, at the point clamped to the
+    /// box. Infinite before the renderer has computed samples: no surface is known yet.
     pub fn value(&self, point: DVec3) -> f64 {
-        if let Some(exact) = self.exact {
+        if let Some(cpu) = self.cpu() {
             let half = 0.5 * self.size.as_dvec3();
-            return exact(point.clamp(-half, half));
+            return cpu(point.clamp(-half, half));
         }
         let Some(samples) = self.samples.get() else {
-            return 0.0;
+            return f64::INFINITY;
         };
         let share = point / self.size.as_dvec3() + 0.5;
         samples.at(share)
@@ -532,11 +568,21 @@ impl UserField {
 
 impl PartialEq for UserField {
     fn eq(&self, other: &UserField) -> bool {
-        self.has_text_of(other) && self.file == other.file
+        self.has_text_of(other) && self.file == other.file && self.cpu == other.cpu
     }
 }
 
 impl UserSamples {
+    /// The places of the samples, 0 to 1 along each side of the box.
+    pub(crate) fn places(&self) -> impl Iterator<Item = DVec3> + use<> {
+        let side = self.side;
+        let last = side.saturating_sub(1).max(1) as f64;
+        (0..side.pow(3)).map(move |index| {
+            let along = [index % side, index / side % side, index / (side * side)];
+            DVec3::from(along.map(|along| along as f64)) / last
+        })
+    }
+
     /// The value by cubic interpolation along each axis (Catmull and Rom 1974), which preserves curvature. `share` is 0 to 1
     /// along each side, clamped at the edges. Beyond the faces the samples continue as straight lines.
     fn at(&self, share: DVec3) -> f64 {
@@ -586,18 +632,18 @@ impl UserSamples {
 mod tests {
     use super::*;
 
-    /// Protects the CPU's values of a field: interpolated samples, or exact values if the field has an exact function.
+    /// Protects the CPU's values of a field: none before there are samples, then interpolated samples, or those of the caller's own function.
     #[test]
     fn samples_are_interpolated() {
         let size = Vec3::new(2.0, 4.0, 8.0);
         let field = UserField::new("x", String::new(), size, 1.0);
-        assert_eq!(field.value(DVec3::ZERO), 0.0);
+        assert_eq!(field.value(DVec3::ZERO), f64::INFINITY);
         let values = (0..8).map(|i| [0.0, 1.0][i & 1]).collect();
         field.set_samples(Arc::new(UserSamples { side: 2, values }));
         assert_eq!(field.value(DVec3::ZERO), 0.5);
         assert_eq!(field.value(DVec3::X * 5.0), 1.0);
         assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);
-        let exact = field.with_exact_value(|p| p.x + 10.0);
+        let exact = field.with_cpu(|p| p.x + 10.0);
         assert_eq!(exact.value(DVec3::new(0.25, 9.0, 0.0)), 10.25);
         assert_eq!(exact.value(DVec3::X * 5.0), 11.0, "clamped to the box");
         let values = (0..27).map(|i| [0.0, 1.0, 4.0][i % 3]).collect();

@@ -5,6 +5,7 @@ mod advice;
 mod checks;
 mod gradients;
 mod names;
+mod on_the_cpu;
 mod reload;
 mod shadertoy;
 mod where_waves_are;

@@ -29,7 +29,7 @@ fn value(p: DVec3) -> f64 {
 /// A gyroid in a room, as a user's field.
 pub fn gyroid() -> Scene {
     let field = UserField::new("gyroid.glsl", TEXT.to_owned(), SIZE, LIPSCHITZ);
-    let field = Arc::new(field.with_exact_value(value));
+    let field = Arc::new(field.with_cpu(value));
     let size = Vec3::new(18.0, 9.0, 16.0);
     let room = Surface::new(Room { size });
     let text = Surface::new(User { field }).at([1.0, -1.0, 1.0]);
@@ -49,7 +49,7 @@ mod tests {
         let scene = gyroid();
         scene.check().unwrap();
         let field = scene.user_fields().next().unwrap();
-        assert!(field.has_exact_value() && !field.states_gradient());
+        assert!(field.has_cpu() && !field.states_gradient());
         field.check_text().unwrap();
         let step = 1e-5;
         for at in 0..100_000_u32 {

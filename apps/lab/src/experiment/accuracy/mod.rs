@@ -201,7 +201,7 @@ fn run_scene(
     Ok(SceneReport {
         scene: scene.name.clone(),
         surfaces: SurfaceCounts::of(scene),
-        reference_is_sampled: scene.user_fields().any(|field| !field.has_exact_value()),
+        reference_is_sampled: scene.user_fields().any(|field| !field.has_cpu()),
         limits: limits.iter().map(|&i| truth.limit(i)).collect(),
         chaos,
         recommendation: recommend::fastest(&rows, options.stated_error),
