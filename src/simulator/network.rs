@@ -4,8 +4,8 @@
 //! Sixteen delay lines feed back through an orthogonal matrix (Hadamard), so that without filters no energy is lost
 //! (Jot and Chaigne, *Digital delay networks for designing artificial reverberators*, AES 90, 1991). An absorbent
 //! filter follows each line. In a time d, sound that decays by 60 dB in T loses 60 d/T dB: the filter is a gain and
-//! seven shelving filters of first order at the edges of the octaves, whose gains are solved so that the loss is exact
-//! at the centres of all eight bands (Välimäki and Liski, *Accurate cascade graphic equalizer*, IEEE SPL 24, 2017,
+//! seven shelving filters of first order at the edges of the octaves, whose gains are fitted to the loss at the centres
+//! of all eight bands (Välimäki and Liski, *Accurate cascade graphic equalizer*, IEEE SPL 24, 2017,
 //! solve peaking filters in this way). Coefficients run linearly to their next values.
 //!
 //! # Cost
@@ -42,7 +42,23 @@ const SHORTEST_S: f64 = 0.05;
 const LONGEST_S: f64 = 60.0;
 
 /// Steps of the solution for the shelves. The gains in decibels are nearly additive, so that few steps suffice.
-const STEPS: usize = 6;
+const STEPS: usize = 8;
+
+/// Weight of the squared gain of a shelf, relative to that of a band's mean error. Decays that change smoothly from
+/// octave to octave stay within 1 %; the shelves have at most 40 dB for decay times between 0.05 and 60 s.
+const PENALTY: f64 = 1e-3;
+
+/// Least loss of a band in decibels whose relative error counts.
+const LEAST_LOSS_DB: f64 = 1e-6;
+
+/// The least loss at any frequency, relative to that of the slowest band. Below the lowest band, decays may go on to
+/// become slower.
+const LEAST_SHARE: f64 = 0.5;
+
+/// Number of frequencies at which the greatest gain of a filter is sought, five in an octave, and the lowest of them in
+/// hertz. The shelves change over octaves.
+const TONES: usize = 60;
+const LOWEST_HZ: f64 = 10.0;
 
 /// Time in seconds in which coefficients run to their next values.
 const GLIDE_S: f64 = 0.1;
@@ -76,6 +92,11 @@ impl Shelf {
         ])
     }
 
+    /// The shelf with this number, with a gain in decibels.
+    fn of_db(shelf: usize, gain_db: f64, rate_hz: f64) -> Shelf {
+        Shelf::new(edge_hz(shelf), 10_f64.powf(gain_db / 20.0), rate_hz)
+    }
+
     fn gain_db(&self, hertz: f64, rate_hz: f64) -> f64 {
         let late = Complex64::from_polar(1.0, -2.0 * PI * hertz / rate_hz);
         let [b0, b1, a1] = self.0;
@@ -89,39 +110,67 @@ fn edge_hz(shelf: usize) -> f64 {
     BANDS_HZ[shelf] * SQRT_2
 }
 
-/// The broadband gain and the gains of the shelves in decibels, so that the filter has these gains at the centres of
-/// the bands.
-fn solve(wanted_db: &Bands, rate_hz: f64) -> (f64, [f64; SHELVES]) {
-    let mut steps: [f64; SHELVES] =
-        std::array::from_fn(|shelf| wanted_db[shelf + 1] - wanted_db[shelf]);
-    let mut broad = wanted_db[0];
-    let centre = |band: usize| BANDS_HZ[band].min(0.45 * rate_hz);
+/// The broadband gain and the gains of the shelves in decibels.
+type FilterGains = (f64, [f64; SHELVES]);
+
+/// The gains of a filter that loses these decibels at the centres of the bands, as nearly as shelves of first order can:
+/// least squares of the relative errors, with a penalty on the gains of shelves. Without the penalty, shelves that work
+/// against each other become so strong that their rounding errors grow from pass to pass. Between and
+/// beyond the bands, no frequency loses less than half as much as the slowest band, so that sound never grows.
+fn solve(wanted_db: &Bands, rate_hz: f64) -> FilterGains {
+    let mut now = (wanted_db[0], [0.0; SHELVES]);
+    let weights = wanted_db.map(|wanted_db| 1.0 / wanted_db.abs().max(LEAST_LOSS_DB));
+    let mean = weights.iter().sum::<f64>() / BAND_COUNT as f64;
     for _ in 0..STEPS {
         // The shape of each shelf at its present gain, per decibel.
-        let shapes: [[f64; BAND_COUNT]; SHELVES] = std::array::from_fn(|shelf| {
-            let gain_db = if steps[shelf].abs() < 0.01 {
-                0.01
-            } else {
-                steps[shelf]
-            };
-            let filter = Shelf::new(edge_hz(shelf), 10_f64.powf(gain_db / 20.0), rate_hz);
-            std::array::from_fn(|band| filter.gain_db(centre(band), rate_hz) / gain_db)
+        let shapes: [Bands; SHELVES] = std::array::from_fn(|shelf| {
+            let gain_db: f64 = now.1[shelf];
+            let gain_db = if gain_db.abs() < 0.01 { 0.01 } else { gain_db };
+            let filter = Shelf::of_db(shelf, gain_db, rate_hz);
+            BANDS_HZ.map(|centre| filter.gain_db(centre.min(0.45 * rate_hz), rate_hz) / gain_db)
         });
+        // How an unknown changes the gain of a band, weighted. The first unknown is the broadband gain.
+        let factor = |unknown: usize, band: usize| match unknown {
+            0 => weights[band],
+            shelf => weights[band] * shapes[shelf - 1][band],
+        };
         let mut rows = [[0.0; BAND_COUNT + 1]; BAND_COUNT];
-        for (band, row) in rows.iter_mut().enumerate() {
-            row[0] = 1.0;
-            for (shelf, shape) in shapes.iter().enumerate() {
-                row[shelf + 1] = shape[band];
+        for (index, row) in rows.iter_mut().enumerate() {
+            for (column, value) in row.iter_mut().enumerate() {
+                let products = (0..BAND_COUNT).map(|band| match column {
+                    BAND_COUNT => factor(index, band) * weights[band] * wanted_db[band],
+                    _ => factor(index, band) * factor(column, band),
+                });
+                *value = products.sum();
             }
-            row[BAND_COUNT] = wanted_db[band];
+            if index > 0 {
+                row[index] += PENALTY * mean * mean;
+            }
         }
         let Some(found) = eliminate(rows) else {
             break;
         };
-        broad = found[0];
-        steps.copy_from_slice(&found[1..]);
+        now.0 = found[0];
+        now.1.copy_from_slice(&found[1..]);
     }
-    (broad, steps)
+    let slowest_db = wanted_db.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    now.0 -= (peak_db(&now, rate_hz) - LEAST_SHARE * slowest_db).max(0.0);
+    now
+}
+
+/// The greatest gain in decibels at any frequency.
+fn peak_db((broad_db, steps_db): &FilterGains, rate_hz: f64) -> f64 {
+    let shelves = steps_db.iter().enumerate();
+    let shelves: Vec<Shelf> = shelves
+        .map(|(shelf, gain_db)| Shelf::of_db(shelf, *gain_db, rate_hz))
+        .collect();
+    let octaves = (0.5 * rate_hz / LOWEST_HZ).log2();
+    let tones = (0..=TONES).map(|tone| LOWEST_HZ * (octaves * tone as f64 / TONES as f64).exp2());
+    let gain_db = |hertz: f64| {
+        let all = shelves.iter().map(|shelf| shelf.gain_db(hertz, rate_hz));
+        broad_db + all.sum::<f64>()
+    };
+    tones.map(gain_db).fold(*broad_db, f64::max)
 }
 
 /// The solution of linear equations, with the right sides in the last column; `None` if it is not unique.
@@ -167,7 +216,7 @@ impl Absorption {
             let (broad_db, steps_db) = solve(&decay_s.map(loss_db), rate);
             all.gain[line] = 10_f64.powf(broad_db / 20.0) as f32;
             for (shelf, step_db) in steps_db.into_iter().enumerate() {
-                let Shelf(numbers) = Shelf::new(edge_hz(shelf), 10_f64.powf(step_db / 20.0), rate);
+                let Shelf(numbers) = Shelf::of_db(shelf, step_db, rate);
                 for (number, value) in numbers.into_iter().enumerate() {
                     all.shelves[shelf][number][line] = value as f32;
                 }
@@ -277,6 +326,15 @@ impl Network {
         for states in &mut self.states {
             *states = states.map(without_denormals);
         }
+        if !self.states.iter().flatten().all(|state| state.is_finite()) {
+            self.clear();
+        }
+    }
+
+    /// Forgets all sound: a number that is not finite would stay for ever.
+    fn clear(&mut self) {
+        self.lines.iter_mut().for_each(|line| line.fill(0.0));
+        self.states = [[0.0; LINES]; SHELVES];
     }
 
     fn glide(&mut self) {
@@ -489,6 +547,51 @@ mod tests {
         // After the noise has ended and filled all lines.
         let found_s = decay_s(&energies[6..], window as f64 / f64::from(RATE_HZ));
         assert!((found_s / DECAY_S - 1.0).abs() < 0.02, "{found_s} s");
+    }
+
+    /// Protects listeners from sound that grows: decay times that jump from octave to octave, between the shortest and the
+    /// longest possible ones, give filters that never amplify, and the sound of an impulse decays.
+    #[test]
+    fn sound_never_grows() {
+        let mut cases: Vec<Bands> = vec![
+            [0.98, 0.98, 0.56, 0.56, 0.33, 0.33, 0.25, 0.25],
+            [0.05, 60.0, 0.05, 60.0, 0.05, 60.0, 0.05, 60.0],
+            [60.0, 0.05, 60.0, 0.05, 60.0, 0.05, 60.0, 0.05],
+            [5.0, 5.0, 5.0, 5.0, 0.2, 0.2, 0.2, 0.2],
+            [0.3, 0.3, 0.3, 3.0, 0.3, 0.3, 0.3, 0.3],
+            [0.05; BAND_COUNT],
+            [60.0; BAND_COUNT],
+        ];
+        for case in 0..40_u64 {
+            let random = |band: usize| unit_interval(hash(hash(case) ^ band as u64));
+            cases.push(std::array::from_fn(|band| 0.1 * 80_f64.powf(random(band))));
+        }
+        for decay_s in cases {
+            let slowest_s = decay_s.into_iter().fold(0.0, f64::max).min(2.0);
+            let seconds = 2.5 * slowest_s.min(1.0) + 0.5;
+            let out = response(&decay_s, seconds);
+            let energy = |part: &[[f32; 2]]| -> f64 {
+                part.iter().flatten().map(|s| f64::from(*s).powi(2)).sum()
+            };
+            let (first, last) = out.split_at(out.len() / 2);
+            let (first, last) = (energy(first), energy(last));
+            assert!(
+                last.is_finite() && last < 1.001 * first,
+                "{decay_s:?}: {first} {last}"
+            );
+        }
+    }
+
+    /// Protects the rest of the sound from one number that is not finite: the network begins again.
+    #[test]
+    fn a_broken_state_is_forgotten() {
+        let mut network = network(&[1.0; BAND_COUNT]);
+        play(&mut network, &[1.0; 4800]);
+        network.lines[3][7] = f32::NAN;
+        play(&mut network, &[0.0; 9600]);
+        let out = play(&mut network, &[1.0; 4800]);
+        assert!(out.iter().flatten().all(|sample| sample.is_finite()));
+        assert!(out.iter().flatten().any(|sample| *sample != 0.0));
     }
 
     /// Protects the smoothness of the reverberation: after 100 ms, its samples are distributed like Gaussian noise, as
