@@ -61,7 +61,7 @@ check_package() {
             return 1
         fi
     done
-    if grep -E '^(\.ci|\.github|apps|docs/benchmarks|out|scripts|target)/' <<<"$list"; then
+    if grep -E '^(\.ci|\.github|adapters|apps|bindings|docs/benchmarks|out|scripts|target)/' <<<"$list"; then
         complain "the package must not contain these files"
         return 1
     fi
@@ -138,7 +138,7 @@ check_crates() {
 # Checks that the lock files of the workspaces beside the main one are up to date, before anything slow runs.
 check_lock_files() {
     local manifest
-    for manifest in apps/page/Cargo.toml fuzz/Cargo.toml; do
+    for manifest in adapters/Cargo.toml apps/page/Cargo.toml bindings/c/header/Cargo.toml fuzz/Cargo.toml; do
         if ! cargo update --quiet --workspace --locked --manifest-path "$manifest"; then
             complain "$manifest: its Cargo.lock is out of date; run cargo update --workspace there"
             return 1
@@ -150,6 +150,7 @@ check_code() {
     check_lock_files
     run cargo fmt --all --check
     run cargo fmt --all --check --manifest-path apps/page/Cargo.toml
+    run cargo fmt --all --check --manifest-path bindings/c/header/Cargo.toml
     run cargo clippy "${EVERYTHING[@]}" --all-targets -- -D warnings
     run python3 scripts/common/import_circles.py
 }
@@ -170,6 +171,8 @@ check_all() {
     check_other_implementations
     run scripts/browser-test.sh
     run scripts/python-test.sh
+    run scripts/c-test.sh
+    run scripts/adapters-test.sh
     check_oldest_rust
     check_crates
     check_package
