@@ -7,6 +7,7 @@
 //! | `values` | the named values of the scene |
 //! | `plan`, `paths` | the scene from above, and the paths of waves drawn in it |
 //! | `hearing`, `parts` | full listening, and the parts of it that the user can switch |
+//! | `scene_gain` | the gain of a scene's sound |
 //! | `drawn_paths` | the exact paths of the last trace, drawn in the plan |
 //! | `ears`, `mix` | for the page: full listening as plain numbers, and its mix in blocks of samples |
 //!
@@ -19,6 +20,7 @@ mod mix;
 mod parts;
 mod paths;
 mod plan;
+mod scene_gain;
 mod values;
 mod visit;
 mod walk;

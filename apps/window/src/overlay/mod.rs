@@ -119,6 +119,8 @@ pub struct HudState<'a> {
     pub sound: &'a SoundStatus,
     /// Level of the left and the right channel, 0 to 1.
     pub levels: [f32; 2],
+    /// The pan of the sound that is played, −1 to 1; `None` before any sound.
+    pub played_pan: Option<f32>,
     /// The status of full listening, if it is on.
     pub ears: Option<&'a EarsStatus>,
     /// Number of frames after which GL reported an error; `None` if errors are not queried.

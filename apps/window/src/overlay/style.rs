@@ -219,10 +219,15 @@ pub fn heading(ui: &mut Ui, text: &str) {
 
 /// A row with two columns: a name in a fainter colour, and a value.
 pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
+    coloured_row(ui, name, value, TEXT);
+}
+
+/// A row as [`row`], with the value in a colour.
+pub fn coloured_row(ui: &mut Ui, name: &str, value: impl Into<String>, colour: Color32) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(FAINT));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(value).monospace());
+            ui.label(RichText::new(value).monospace().color(colour));
         });
     });
 }
