@@ -22,6 +22,10 @@ use std::time::Duration;
 /// expensive scene. A response of this length contains the first echoes of a room.
 const FIRST_LENGTH_S: f64 = 0.25;
 
+/// Number of waves for early arrivals in the first trace of a scene without marched fields: the sound begins early, and
+/// later traces find the remaining paths.
+const FIRST_WAVES: u32 = 2048;
+
 /// Typical number of waves in an estimate of the response length.
 const ESTIMATE_WAVES: f64 = 4096.0;
 
@@ -142,7 +146,7 @@ impl Hearing {
             length: None,
             profile: None,
             cost: Some(0.0),
-            early_waves: MOST_WAVES,
+            early_waves: FIRST_WAVES,
             early_waves_heard: 0,
             late_waves: LEAST_LATE_WAVES,
             late_waves_heard: 0,
@@ -264,7 +268,7 @@ impl Hearing {
         self.gain = None;
         (self.early_waves, self.late_waves, self.cost) = match may_be_dear {
             true => (LEAST_WAVES, LEAST_WAVES, None),
-            false => (MOST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
+            false => (FIRST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
         };
     }
 

@@ -53,6 +53,8 @@ pub const DIFFRACTED: Color32 = Color32::from_rgb(240, 100, 200);
 pub const TRANSMITTED: Color32 = Color32::from_rgb(150, 140, 255);
 /// Errors.
 pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
+/// Background of a text in the plan.
+pub const BEHIND_TEXT: Color32 = Color32::from_rgba_premultiplied(11, 14, 18, 176);
 /// Background of a panel.
 const BACK: Color32 = Color32::from_rgba_premultiplied(16, 20, 24, 214);
 
