@@ -139,8 +139,8 @@ const MOMENTS: u32 = 3;
 /// The longest response by default, in seconds. Later reverberation is hardly audible behind continuous sound.
 const LONGEST_S: f64 = 3.0;
 
-/// Renewals of a response in a second by default. Delays and levels glide between them, and the level in a quarter of a
-/// second differs by less than 0.1 dB from that with 30.
+/// Renewals of a response in a second by default. Delays and levels glide between them (docs/audio.md has the
+/// differences from a response in each frame).
 const RESPONSES_HZ: f64 = 10.0;
 
 /// Settings of full listening to a scene.

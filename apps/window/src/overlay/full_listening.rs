@@ -35,7 +35,11 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
     let times = format!("{:.0} + {:.0} ms", ears.trace_ms, ears.late_ms);
     style::row(ui, "trace, late part", times);
     style::row(ui, "waves for echoes", waves(ears));
-    style::row(ui, "gain of the scene", format!("{:+.1} dB", ears.gain_db));
+    let gain = match ears.sources.is_empty() {
+        true => "–".to_owned(),
+        false => format!("{:+.1} dB", ears.gain_db),
+    };
+    style::row(ui, "gain of the scene", gain);
     limiter(ui, ears);
     ui.separator();
 }
