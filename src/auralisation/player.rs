@@ -382,9 +382,9 @@ mod tests {
     }
 
     /// Protects the level of the first sound: the gain set before the first response applies from its first sample, the
-    /// player is silent before, and the remote is told when the limiter works.
+    /// player is silent before, and the remote states when the limiter works.
     #[test]
-    fn a_player_begins_with_its_gain_and_tells_when_it_limits() {
+    fn a_player_begins_with_its_gain_and_states_when_it_limits() {
         use crate::audio::SoundSpec;
         use crate::auralisation::prepared_sound::Echo;
         use crate::bands::BAND_COUNT;

@@ -62,8 +62,8 @@ pub(super) struct Renewal {
 }
 
 impl Renewal {
-    /// Whether a pair differs so much from the last traced one that its response must be renewed. If so, the pair of
-    /// `now` counts as traced.
+    /// Whether the response of a pair must be renewed, because the pair differs from the last traced one. If so, the
+    /// pair of `now` counts as traced.
     ///
     /// # Errors
     /// [`Error::Scene`] if the scene has no such source or listener.

@@ -42,7 +42,7 @@ function block(frames) {
   }
 }
 
-// Tells the page whether the scene is heard, and how much the limiter attenuates, in decibels.
+// Reports to the page whether the scene is heard, and how much the limiter attenuates, in decibels.
 function report(frames) {
   told += frames;
   if (!mix || told < toldEvery()) return;

@@ -8,6 +8,7 @@ import { Listening } from "./listening.js";
 import { Messages } from "./messages.js";
 import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
 import { Plan } from "./plan.js";
+import { prepare } from "./sound.js";
 import { listenToTouch } from "./touch.js";
 
 // Time spent on tracing waves in each picture, in milliseconds.
@@ -479,6 +480,7 @@ async function begin() {
   follow(location.hash || "#motion=off");
   canvas.focus();
   requestAnimationFrame(loop);
+  prepare();
   // Access for tests and for the browser's console.
   window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels,
     paths: () => listening.paths, isHeard: () => listening.isHeard, named: () => plan.named, address };

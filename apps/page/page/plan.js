@@ -152,7 +152,7 @@ export class Plan {
   }
 }
 
-// Returns the first free box for a text beside a mark: right, left, above, below; null if none is free.
+// Returns the first free box for a text beside a mark: right, left, above, below; null if all four are taken.
 function free(x, y, width, height, beside, taken, [most, lowest]) {
   const places = [[x + beside, y - height / 2], [x - beside - width, y - height / 2],
     [x - width / 2, y - beside - height], [x - width / 2, y + beside]];

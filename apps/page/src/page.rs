@@ -3,7 +3,7 @@
 use crate::{scene, settings, thrown};
 use echomarch::gl::Context;
 use echomarch::glam::Vec3;
-use echomarch_walk::{MoveInput, ValueSlider, Visit, Walker};
+use echomarch_walk::{MoveInput, ValueSlider, Visit, Walker, listener_names, source_names};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
@@ -144,12 +144,12 @@ impl Page {
 
     /// The names of the sources.
     pub fn source_names(&self) -> Vec<String> {
-        self.visit.scene().source_labels()
+        source_names(self.visit.scene())
     }
 
     /// The names of the listeners; the first is the walker.
     pub fn listener_names(&self) -> Vec<String> {
-        self.visit.scene().listener_labels()
+        listener_names(self.visit.scene())
     }
 
     /// The positions of all listeners except the walker in metres, three numbers each.

@@ -96,7 +96,7 @@ impl Ears {
         status
     }
 
-    /// Whether the player has played a response. Without a player, nothing is heard.
+    /// Whether the player has played a response. It is false without a player.
     pub fn is_heard(&self) -> bool {
         #[cfg(feature = "audio")]
         return lock(&self.shared.remote)

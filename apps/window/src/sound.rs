@@ -48,7 +48,7 @@ pub struct Speaker {
     panning: Panning,
     /// Whether full listening is played.
     is_in_full: bool,
-    /// Whether the first response, or the first frame of waves, is known. Before that nothing is played.
+    /// Whether the first response, or the first frame of waves, is known. The volume is 0 before.
     has_begun: bool,
     /// The last pan of the played levels.
     #[cfg(feature = "audio")]

@@ -3,7 +3,7 @@
 use egui::{Pos2, Rect, Vec2};
 
 /// Returns the first free place of a text of `size` at a mark with the radius `beside`: right, left, above, below. `None`
-/// if none is free of the `taken` places within `whole`.
+/// if each of them leaves `whole` or overlaps a `taken` place.
 pub fn free_place(at: Pos2, size: Vec2, beside: f32, taken: &[Rect], whole: Rect) -> Option<Rect> {
     let half = 0.5 * size;
     let centres = [

@@ -7,7 +7,7 @@ use echomarch::picture::Bounds;
 use echomarch::response::PathKind;
 use echomarch::scene::{Listener, Scene};
 use echomarch::tracer::{Fate, Wave};
-use echomarch_walk::{Cut, DrawnPath, STUB, way};
+use echomarch_walk::{Cut, DrawnPath, STUB, listener_names, source_names, way};
 use egui::{
     Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Shape, Stroke, TextureHandle,
     TextureOptions, Ui, Vec2,
@@ -155,9 +155,9 @@ fn names(
     place: impl Fn(Vec3) -> Pos2,
     (rect, bar): (Rect, Rect),
 ) {
-    let sources = scene.sources.iter().zip(scene.source_labels());
+    let sources = scene.sources.iter().zip(source_names(scene));
     let sources = sources.map(|(source, name)| (place(source.position), 6.5, name));
-    let listeners = scene.listeners.iter().zip(scene.listener_labels());
+    let listeners = scene.listeners.iter().zip(listener_names(scene));
     let listeners = listeners
         .map(|(listener, name)| (place(listener.position), radius_of(listener, scale), name));
     let marks: Vec<(Pos2, f32, String)> = sources.chain(listeners).collect();

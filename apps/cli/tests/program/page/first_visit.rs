@@ -1,4 +1,4 @@
-//! What a visitor of the page meets first: a scene that stands still, the sound after a click, an error beside the text,
+//! A first visit to the page: a scene that stands still, the sound after a click, an error beside the text,
 //! fingers instead of keys.
 
 use super::{FLAGS, Stage, on_page, wait, write_text};
