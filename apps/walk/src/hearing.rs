@@ -18,7 +18,7 @@ use echomarch::{Error, bands};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Length, in seconds, of the first response of a scene. The same length is the minimum in an expensive scene. A response of this length contains the first echoes of a room.
+/// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an expensive scene. A response of this length contains the first echoes of a room.
 const FIRST_LENGTH_S: f64 = 0.25;
 
 /// Number of waves for early arrivals in the first trace of a scene without marched fields: the sound begins early, and
@@ -98,8 +98,6 @@ pub struct Hearing {
     gain: Option<f32>,
     /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
-    /// Whether the next trace is the first of its scene: a short response, so that the sound begins early.
-    is_first: bool,
     /// The profile of the last trace.
     profile: Option<Profile>,
     /// Tracing time per wave and per second of response, in seconds; `None` before the first trace of a scene with
@@ -145,7 +143,6 @@ impl Hearing {
             scene: None,
             gain: None,
             length: None,
-            is_first: true,
             profile: None,
             cost: Some(0.0),
             early_waves: FIRST_WAVES,
@@ -268,7 +265,6 @@ impl Hearing {
         let may_be_dear = takes_steps || scene.surfaces.iter().any(is_marched);
         self.length = None;
         self.gain = None;
-        self.is_first = true;
         (self.early_waves, self.late_waves, self.cost) = match may_be_dear {
             true => (LEAST_WAVES, LEAST_WAVES, None),
             false => (FIRST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
@@ -297,9 +293,6 @@ impl Hearing {
     /// Length of the responses, in seconds. The length is estimated every few seconds, unless the estimate would take
     /// too long.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
-        if std::mem::take(&mut self.is_first) {
-            return Ok(FIRST_LENGTH_S);
-        }
         if !self.allows_estimate() {
             return Ok(self.cost.map_or(FIRST_LENGTH_S, length_of_dear));
         }
