@@ -44,7 +44,7 @@ fn processing_allocates_nothing() {
     unsafe {
         let made = echomarch_simulator_new(ptr::null(), &raw mut sim, ptr::null_mut(), 0);
         assert_eq!(made, EchomarchStatus::Ok);
-        let room = c"Surface(shape: Room(size: (8, 3, 6)), material: \"marble\")";
+        let room = c"Surface(shape: Room(size: (8, 3, 6)), material: \"brick\")";
         let added = echomarch_add_surface(sim, room.as_ptr(), 0, ptr::null_mut());
         let error = CStr::from_ptr(echomarch_simulator_error(sim));
         assert_eq!(added, EchomarchStatus::Ok, "{error:?}");

@@ -232,7 +232,7 @@ static EchomarchUpdate wait_for(uint64_t source, uint64_t commit, EchomarchEcho 
 }
 
 static void test_world(void) {
-    const double absorption[ECHOMARCH_BANDS] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2};
+    const double absorption[ECHOMARCH_BANDS] = {0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.4, 0.4};
     const double scattering[ECHOMARCH_BANDS] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
     uint64_t room, box, source, number;
     uint32_t answer = 7;
