@@ -84,8 +84,8 @@ check_archive() {
     for file in LICENSE-MIT LICENSE-APACHE INSTALL.md CHANGELOG.md examples/scenes/corner.ron; do
         [[ -s "$scratch/$name/$file" ]] || fail "$archive lacks $file"
     done
-    "$scratch/$name/bin/echomarch" trace "$scratch/$name/examples/scenes/hall.ron" --source violin --listener "row 3" \
-        --waves 1024 >/dev/null
+    "$scratch/$name/bin/echomarch" impulse "$scratch/$name/examples/scenes/hall.ron" --source violin \
+        --listener "row 3" --waves 1024 --seconds 0.5 --quiet >/dev/null
     # The tutorials use this program.
     program="$scratch/$name/bin"
     # cargo binstall computes the names of the archive and of the program in it.
@@ -121,14 +121,19 @@ check_wheel() {
     fi
     (
         cd "$scratch"
-        "$program/echomarch" impulse shoebox --waves 4096 --seconds 0.3 --quiet --json >program.json
-        "$python" - "$version" <<'PYTHON'
+        scene="$program/../examples/scenes/two-rooms.ron"
+        "$program/echomarch" impulse "$scene" --source 1 --listener 1 --waves 8192 --quiet --json >program.json
+        "$python" - "$version" "$scene" <<'PYTHON'
 import json, sys
 import echomarch as em
+scene = em.Scene(sys.argv[2])
 pair = json.load(open("program.json"))["pairs"][0]
-r = em.response(em.Scene("shoebox"), waves=4096, seconds=0.3)
+names = next(iter(scene.sources)), next(iter(scene.listeners))
+r = em.response(scene, source=names[0], listener=names[1], waves=8192)
 assert em.__version__ == sys.argv[1], em.__version__
-assert list(r.figures["g"]) == pair["g_db"], "the wheel and the program give different figures"
+for figure, name in (("g", "g_db"), ("edt", "edt_s")):
+    assert None not in pair[name], f"the program gives no {name}"
+    assert list(r.figures[figure]) == pair[name], f"the wheel and the program give different {name}"
 PYTHON
     )
     say "wheel: installed in a new environment, gives the figures of the program"

@@ -107,17 +107,25 @@ check_interface() {
 }
 
 make_crates() {
-    local package
+    local package made
     local -a options=(--locked --allow-dirty)
     for package in "${PUBLISHED[@]}"; do
         options+=(-p "$package")
-        rm -f "$built/package/$package"-[0-9]*.crate
     done
+    # Cargo's versions leave the packages in different folders below this one.
+    if [[ -d "$built/package" ]]; then
+        find "$built/package" -name '*.crate' -delete
+    fi
     "$verify" || options+=(--no-verify)
     run cargo publish --dry-run "${options[@]}"
     mkdir -p "$out/crates"
     for package in "${PUBLISHED[@]}"; do
-        cp "$built/package/$package-$version.crate" "$out/crates"
+        made="$(find "$built/package" -name "$package-$version.crate" -print -quit)"
+        if [[ -z "$made" ]]; then
+            complain "cargo publish has left no $package-$version.crate below $built/package"
+            return 1
+        fi
+        cp "$made" "$out/crates"
     done
 }
 

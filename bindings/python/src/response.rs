@@ -6,7 +6,7 @@ use crate::worker::{self, Observer};
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::hrtf::HrirSet;
 use echomarch::response::{
-    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, ImpulseResponse, ImpulseSettings,
+    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, Gap, ImpulseResponse, ImpulseSettings,
     ListenerAxes, Response, ResponseError, ResponseSettings, Round,
 };
 use echomarch::scene::Pair;
@@ -405,6 +405,8 @@ impl Heard {
             or_nan(response.figures.begins_error_s),
         )?;
         about.set_item("cut_off", response.figures.cut_off.map(or_nan))?;
+        let gaps = response.gaps().map(|gap| gap.map(Gap::words));
+        about.set_item("gaps", gaps.to_vec())?;
         about.set_item("missed_early_share", or_nan(response.missed.energy_share()))?;
         about.set_item("left_out_share", response.left_out_share)?;
         about.set_item("search_left_out_share", response.search_left_out_share)?;

@@ -4,7 +4,7 @@ use crate::errors;
 use echomarch::bands::Bands;
 use echomarch::scene::mesh::{Inside, MeshOptions, TriangleMesh};
 use echomarch::scene::shape::Mesh;
-use echomarch::scene::{Material, Pair};
+use echomarch::scene::{Material, Pair, Warning};
 use echomarch::{Listener, Source, Surface};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -261,6 +261,23 @@ impl Scene {
     fn warnings(&self) -> Vec<String> {
         let warnings = self.inner.warnings();
         warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// Sentences about the source with this index and the listeners with these indices if they are in a solid.
+    fn in_solid(&self, source: usize, listeners: Vec<usize>) -> Vec<String> {
+        let mut scene = self.inner.clone();
+        let sources = self.inner.sources.get(source).cloned();
+        scene.sources = sources.into_iter().collect();
+        let of = |index: &usize| self.inner.listeners.get(*index).cloned();
+        scene.listeners = listeners.iter().filter_map(of).collect();
+        let is_in_solid = |warning: &Warning| {
+            matches!(
+                warning,
+                Warning::SourceInsideSurface { .. } | Warning::ListenerInsideSurface { .. }
+            )
+        };
+        let warnings = scene.warnings().into_iter().filter(is_in_solid);
+        warnings.map(|warning| warning.to_string()).collect()
     }
 
     /// The text of a scene file.

@@ -2,6 +2,7 @@
 
 import pickle
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -167,3 +168,19 @@ def test_a_frame_knows_left_and_right():
     frame = em.trace(scene, waves=16384)
     assert -1 <= frame.pan < -0.1 and frame.left > frame.right and frame.listener_hits > 0
     assert frame.renderer == em.renderer()
+
+
+def test_missing_figures_and_odd_places_are_reported():
+    """Protects newcomers from silent NaN: a reason by band, and a warning for a listener inside a wall."""
+    room = em.Scene.shoebox((8, 3, 5), absorption=0.05)
+    room.add_source("talker", (-2, 0, -1.5))
+    room.add_listener("seat", (2, -0.3, 1.4))
+    room.add_listener("ceiling", (2, 1.75, 1.4))
+    short = em.response(room, listener="seat", waves=2048, seconds=0.2)
+    assert np.isnan(short.figures["t30"][4])
+    assert short.gaps[4] == "record too short"
+    with pytest.warns(UserWarning, match=r"0\.25 m inside .*room"):
+        em.response(room, listener="ceiling", waves=64, seconds=0.2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        em.response(room, listener="seat", waves=64, seconds=0.2)

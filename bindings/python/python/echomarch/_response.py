@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
@@ -156,6 +157,8 @@ def traced(
     scene: "Scene", source: int, listeners: List[int], given: Dict[str, Any], on_round: _progress.OnRound = None
 ) -> List["Response"]:
     """Trace a source at several listeners, given by their indices. One trace of the source serves all listeners."""
+    for text in scene._raw.in_solid(source, listeners):
+        warnings.warn(text, UserWarning, stacklevel=3)
     heard = _echomarch.responses(scene._raw, source, listeners, given, on_round)
     return [Response(one, scene.axes) for one in heard]
 
@@ -181,6 +184,9 @@ class Response:
         Length of the record in s after the source's impulse.
     milliseconds : float
         Time of the computation in ms; that of all listeners of the source if they were traced together.
+    gaps : list of str or None
+        Why figures of a band are missing, for all eight bands; None if all decay times are there: ``"nothing arrives"``,
+        ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"`` (more `waves`).
     time_origin_s : float
         Time origin of the figures in s after the source's impulse; NaN if nothing arrives.
     """
@@ -198,6 +204,7 @@ class Response:
     milliseconds: float
     time_origin_s: float
     time_origin_error_s: float
+    gaps: List[Optional[str]]
     missed_early_share: float
     left_out_share: float
     search_left_out_share: float
