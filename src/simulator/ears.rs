@@ -1,10 +1,11 @@
 //! What a game's audio callback calls: the sound of sources as the listener hears them.
 
-use super::encoder::{Encoder, MOST_CHANNELS};
-use super::messages::{MESSAGES_PER_SOURCE, Message};
+use super::encoder::{Encoder, MOST_CHANNELS, Planes};
+use super::fit::{CHUNK, EARS};
+use super::messages::{MESSAGES_PER_SOURCE, Message, SPARE_VOICES};
 use super::network::Network;
-use super::taps::{EARS, Hearing};
-use super::voice::{CHUNK, Output, Planes, Voice};
+use super::taps::Hearing;
+use super::voice::{Output, Voice};
 use super::{EarsFormat, Pose, SimulatorError, SourceId};
 use crate::bands::BAND_COUNT;
 use crate::hrtf::HrirSet;
@@ -23,9 +24,6 @@ const RAMP_S: f64 = 0.005;
 
 /// Time in seconds in which a turn of the head is heard: fast turns of a head take a tenth of a second.
 const TURN_S: f64 = 0.01;
-
-/// Voices beside those of the sources, for sources that fade out.
-pub(super) const SPARE_VOICES: usize = 4;
 
 /// The format of [`Ears`] and [`Mix`].
 #[derive(Clone, Debug, PartialEq)]

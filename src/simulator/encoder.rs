@@ -1,8 +1,7 @@
 //! The format of the ears: the delays and gains of each channel by the direction of the sound.
 
 use super::SimulatorError;
-use super::fit::{Fit, Frame};
-use super::taps::EARS;
+use super::fit::{CHUNK, EARS, Fit, Frame};
 use crate::bands::{BANDS_HZ, Bands};
 use crate::hrtf::{Hrir, HrirPair, HrirSet, IndexedFacets};
 use crate::response::{AmbisonicOrder, Encoding, ListenerAxes};
@@ -15,6 +14,9 @@ use std::thread;
 
 /// Maximum number of channels: those of ambisonics of the third order.
 pub(super) const MOST_CHANNELS: usize = 16;
+
+/// Samples of all channels.
+pub(super) type Planes = [[f32; CHUNK]; MOST_CHANNELS];
 
 /// Greatest order of ambisonics.
 const MOST_ORDER: u8 = 3;

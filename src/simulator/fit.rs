@@ -1,8 +1,14 @@
-//! The four bands of the ears, and the fit of four gains to the eight of a way.
+//! The bands, ears and steps of rendering, and the fit of four gains to the eight of a way.
 
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use num_complex::Complex64;
 use std::f64::consts::PI;
+
+/// Left and right.
+pub(super) const EARS: usize = 2;
+
+/// Number of samples that are rendered in one step.
+pub(super) const CHUNK: usize = 128;
 
 /// Number of bands of a delay line.
 pub(super) const BANDS: usize = 4;

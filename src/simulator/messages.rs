@@ -1,6 +1,5 @@
 //! Messages from the tracing worker to the ears: taps of each source, and the decay of the network.
 
-use super::ears::SPARE_VOICES;
 use super::fit::{Fit, Frame};
 use super::network::{self, Absorption};
 use super::taps::{Kind, Way};
@@ -15,6 +14,9 @@ use std::sync::Arc;
 
 /// Maximum number of messages under way for each source.
 pub(super) const MESSAGES_PER_SOURCE: usize = 4;
+
+/// Voices beside those of the sources, for sources that fade out.
+pub(super) const SPARE_VOICES: usize = 4;
 
 /// Time in seconds in which a source fades in after its first trace.
 const FIRST_FADE_S: f64 = 0.05;

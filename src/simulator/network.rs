@@ -11,8 +11,8 @@
 //! # Cost
 //! All filters of a stage run side by side for the sixteen lines.
 
-use super::encoder::{Gains, MOST_CHANNELS};
-use super::voice::{Planes, without_denormals};
+use super::encoder::{Gains, MOST_CHANNELS, Planes};
+use super::voice::without_denormals;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use num_complex::Complex64;
 use std::f64::consts::{PI, SQRT_2};
@@ -413,7 +413,7 @@ fn mix(values: &mut Each) {
 #[cfg(test)]
 mod tests {
     use super::super::encoder::Encoder;
-    use super::super::voice::CHUNK;
+    use super::super::fit::CHUNK;
     use super::*;
     use crate::sampling::{hash, unit_interval};
 

@@ -1,12 +1,8 @@
 //! Taps of a delay line: ways of sound to the head, whose delays and gains glide.
 
-use super::encoder::{Encoder, Gains, MOST_CHANNELS};
-use super::fit::{BANDS, Frame};
-use super::voice::{CHUNK, Planes};
+use super::encoder::{Encoder, Gains, MOST_CHANNELS, Planes};
+use super::fit::{BANDS, CHUNK, EARS, Frame};
 use glam::{DVec3, Quat};
-
-/// Left and right.
-pub(super) const EARS: usize = 2;
 
 /// Maximum delay in samples of an ear after the centre of the head: 2 ms at 192 kHz, more than any head has.
 pub(super) const MOST_BETWEEN_EARS: usize = 384;

@@ -13,9 +13,9 @@
 //! case, at 48 kHz), direct ways between four. The bands overlap, so that levels are fitted: they are within 1.5 dB of
 //! the eight gains for walls and air.
 
-use super::encoder::MOST_CHANNELS;
-use super::fit::{BANDS, Frame, poles};
-use super::taps::{EARS, Heard, Hearing, Kind, MOST_BETWEEN_EARS, Tap, Way};
+use super::encoder::{MOST_CHANNELS, Planes};
+use super::fit::{BANDS, CHUNK, EARS, Frame, poles};
+use super::taps::{Heard, Hearing, Kind, MOST_BETWEEN_EARS, Tap, Way};
 use crate::auralisation::MOST_DOPPLER;
 use glam::Vec4;
 
@@ -31,9 +31,6 @@ pub(super) fn without_denormals(state: f32) -> f32 {
     if state.abs() < SILENCE { 0.0 } else { state }
 }
 
-/// Number of samples that are rendered in one step.
-pub(super) const CHUNK: usize = 128;
-
 /// Frames that a tap reads around its place.
 const REACH: usize = 4;
 
@@ -45,9 +42,6 @@ const SILENT_FRAMES: usize = CHUNK + REACH;
 
 /// Maximum number of taps of a source: echoes, the direct way, the way to the network, and those that fade out.
 const MOST_TAPS: usize = 2 * 66;
-
-/// Samples of all channels.
-pub(super) type Planes = [[f32; CHUNK]; MOST_CHANNELS];
 
 /// The output of one step.
 pub(super) struct Output {
