@@ -88,10 +88,13 @@ impl Ears {
 
     /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
-        let mut status = lock(&self.shared.status).clone();
+        let status = lock(&self.shared.status).clone();
         #[cfg(feature = "audio")]
         if let Some(remote) = lock(&self.shared.remote).as_ref() {
-            status.limited_db = remote.limited_db();
+            return EarsStatus {
+                limited_db: remote.limited_db(),
+                ..status
+            };
         }
         status
     }
