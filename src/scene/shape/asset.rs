@@ -464,14 +464,15 @@ impl UserField {
     }
 
     /// The value by the function on the CPU, or else by cubic interpolation of the samples, at the point clamped to the
-    /// box. Infinite before the renderer has computed samples: no surface is known yet.
+    /// box. Before the renderer has computed samples, no surface is known: the value is that of air as far from a surface
+    /// as the box is long.
     pub fn value(&self, point: DVec3) -> f64 {
         if let Some(cpu) = self.cpu() {
             let half = 0.5 * self.size.as_dvec3();
             return cpu(point.clamp(-half, half));
         }
         let Some(samples) = self.samples.get() else {
-            return f64::INFINITY;
+            return f64::from(self.lipschitz * self.size.max_element());
         };
         let share = point / self.size.as_dvec3() + 0.5;
         samples.at(share)
@@ -637,7 +638,7 @@ mod tests {
     fn samples_are_interpolated() {
         let size = Vec3::new(2.0, 4.0, 8.0);
         let field = UserField::new("x", String::new(), size, 1.0);
-        assert_eq!(field.value(DVec3::ZERO), f64::INFINITY);
+        assert_eq!(field.value(DVec3::ZERO), 8.0);
         let values = (0..8).map(|i| [0.0, 1.0][i & 1]).collect();
         field.set_samples(Arc::new(UserSamples { side: 2, values }));
         assert_eq!(field.value(DVec3::ZERO), 0.5);
