@@ -223,7 +223,7 @@ impl PlayerRemote {
     }
 
     /// Sets the gain of all sources, an amplitude factor. The player glides to it within 256 samples, or begins with it
-    /// if it is set before the first response. Sound that is on its way keeps its gain.
+    /// if it is set before the first response.
     ///
     /// # Errors
     /// [`ResponseError::BadNumber`] for a gain that is not finite.
@@ -381,8 +381,8 @@ mod tests {
         assert!(block.iter().zip(&soft).all(|(a, b)| (a - b).abs() < 0.01));
     }
 
-    /// Protects the level of the first sound: the gain set before the first response applies to all sound that leaves its
-    /// source from then on, the player is silent before, and the remote states when the limiter works.
+    /// Protects the level of the first sound: the gain set before the first response applies from its first sample, the
+    /// player is silent before, and the remote states when the limiter works.
     #[test]
     fn a_player_begins_with_its_gain_and_states_when_it_limits() {
         use crate::audio::SoundSpec;
@@ -418,9 +418,7 @@ mod tests {
             let mut after = vec![0.0; 9600];
             player.add(&mut after);
             assert!(remote.is_heard());
-            // The sound of the first 10 ms left its source before.
-            let squares = after[960..].iter().map(|s| f64::from(*s).powi(2));
-            let squares = squares.sum::<f64>();
+            let squares = after.iter().map(|s| f64::from(*s).powi(2)).sum::<f64>();
             (squares, remote.limited_db(), remote.limited_db())
         };
         let (soft, rests, _) = play(1.0);

@@ -102,7 +102,7 @@ mod tests {
             step: Some(0.25),
         };
         assert_eq!(scene.value_ranges["size"], expected);
-        let again = Scene::from_ron(&ron::to_string(&scene).unwrap(), "s").unwrap();
+        let again: Scene = ron::from_str(&ron::to_string(&scene).unwrap()).unwrap();
         assert_eq!(again.value_ranges, scene.value_ranges);
         for (from, to, says) in [
             ("\"size\": R", "\"sise\": R", "did you mean size?"),

@@ -88,13 +88,10 @@ impl Ears {
 
     /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
-        let status = lock(&self.shared.status).clone();
+        let mut status = lock(&self.shared.status).clone();
         #[cfg(feature = "audio")]
         if let Some(remote) = lock(&self.shared.remote).as_ref() {
-            return EarsStatus {
-                limited_db: remote.limited_db(),
-                ..status
-            };
+            status.limited_db = remote.limited_db();
         }
         status
     }

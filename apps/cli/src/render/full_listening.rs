@@ -5,7 +5,7 @@ use super::super::impulse::percent;
 use super::super::numbers::{count, real, tenths};
 use super::super::options::{DiffractionOption, LeastLevelOption, check_range};
 use super::super::print;
-use super::{Job, Parts, ReportHead, sounds};
+use super::{Job, ReportHead, sounds};
 use clap::Args;
 use echomarch::Error;
 use echomarch::audio::{Sound, WavWriter};
@@ -130,10 +130,9 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     let tail_s = settings.tail_s(&mut tracer, scene)?;
     let began = Instant::now();
     let waves = settings.response.trace.waves;
-    let parts = responses(&job, &settings);
     let take = |block: Block<[HeardSource]>| {
         if lines.is_empty() {
-            job.note_dear(parts, waves, began.elapsed().as_secs_f64(), &bar);
+            job.note_dear(waves, began.elapsed().as_secs_f64(), &bar);
         }
         samples.clear();
         samples.extend(block.samples.iter().map(|sample| sample * gain));
@@ -170,21 +169,6 @@ pub fn run(job: Job) -> anyhow::Result<()> {
         return print::json(&report);
     }
     print_text(&report)
-}
-
-/// Returns the responses that are traced at most: one if the scene is at rest.
-fn responses(job: &Job, settings: &FullSettings) -> Parts {
-    let frames = job.timing.frames();
-    let most = (job.timing.seconds * settings.responses_per_second).ceil() as u64;
-    let count = match job.scene.duration() > 0.0 {
-        true => most.clamp(1, frames.max(1)),
-        false => 1,
-    };
-    Parts {
-        name: "response",
-        count,
-        option: "--responses",
-    }
 }
 
 /// Returns the names of the sources, and the settings of full listening.
