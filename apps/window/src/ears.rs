@@ -88,22 +88,7 @@ impl Ears {
 
     /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
-        let mut status = lock(&self.shared.status).clone();
-        #[cfg(feature = "audio")]
-        if let Some(remote) = lock(&self.shared.remote).as_ref() {
-            status.limited_db = remote.limited_db();
-        }
-        status
-    }
-
-    /// Whether the player has played a response. It is false without a player.
-    pub fn is_heard(&self) -> bool {
-        #[cfg(feature = "audio")]
-        return lock(&self.shared.remote)
-            .as_ref()
-            .is_some_and(PlayerRemote::is_heard);
-        #[cfg(not(feature = "audio"))]
-        false
+        lock(&self.shared.status).clone()
     }
 
     /// Plays the sources of a scene in stereo. If `spec` is a file or a sine, every source plays it; otherwise each
@@ -222,7 +207,6 @@ fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
         && remote.spec() == spec
         && found.source < remote.source_count()
     {
-        remote.set_gain(found.gain)?;
         remote.hear(found.source, heard, found.glide_s)?;
     }
     Ok(())
