@@ -40,7 +40,7 @@ typedef enum {
    */
   ECHOMARCH_STATUS_BAD_INPUT = 2,
   /**
-   * There is no such source or surface: it was removed, or belongs to another simulator.
+   * There is no such source or surface: it was removed, or never added.
    */
   ECHOMARCH_STATUS_NO_OBJECT = 3,
   /**

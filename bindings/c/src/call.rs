@@ -15,7 +15,7 @@ pub enum EchomarchStatus {
     Null = 1,
     /// A number is out of its range or not a number, or a text is not one of the scene format.
     BadInput = 2,
-    /// There is no such source or surface: it was removed, or belongs to another simulator.
+    /// There is no such source or surface: it was removed, or never added.
     NoObject = 3,
     /// There is no OpenGL that the simulator can use, or the system starts no thread.
     NoRenderer = 4,

@@ -1,4 +1,4 @@
-//! What an audio callback calls.
+//! Formats, and the functions of audio callbacks.
 
 use crate::call::{EchomarchStatus, Failure, guard, status_of, text_of};
 use crate::handle::{EchomarchSimulator, with};
