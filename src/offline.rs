@@ -2,14 +2,19 @@
 //!
 //! [`render`] uses the thesis' method: during a frame's block of samples, the gains of one sound glide to the panning
 //! of the frame. [`render_full`] plays each source with delays, loudness, echoes and reverberation
-//! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
+//! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start; responses are
+//! renewed at most ten times a second, and only where something has changed.
+
+mod renewal;
 
 use crate::audio::{AudioError, FrameBlocks, Mixer, Sound};
 use crate::auralisation::{Auralisation, Heard, Spec};
 use crate::error::Error;
 use crate::response::{HeardSource, ListenerAxes, Response, ResponseSettings};
-use crate::scene::{IntoPair, Pair, Scene};
+use crate::scene::{IntoPair, Scene};
 use crate::tracer::{Frame, Settings, TraceError, Tracer};
+use renewal::{Renewal, Slots};
+use std::rc::Rc;
 
 /// Duration and frame rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +139,10 @@ const MOMENTS: u32 = 3;
 /// The longest response by default, in seconds. Later reverberation is hardly audible behind continuous sound.
 const LONGEST_S: f64 = 3.0;
 
+/// Renewals of a response in a second by default. Delays and levels glide between them (docs/audio.md has the
+/// differences from a response in each frame).
+const RESPONSES_HZ: f64 = 10.0;
+
 /// Settings of full listening to a scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -145,6 +154,8 @@ pub struct FullSettings {
     pub listener: usize,
     /// Seed for the noise of the late parts.
     pub seed: u64,
+    /// Maximum number of renewals of a response in a second, above 0: 10 by default.
+    pub responses_per_second: f64,
 }
 
 impl FullSettings {
@@ -156,6 +167,7 @@ impl FullSettings {
             response: response.with_longest(longest_s),
             listener,
             seed: 0,
+            responses_per_second: RESPONSES_HZ,
         }
     }
 
@@ -164,6 +176,19 @@ impl FullSettings {
     pub fn with_tail(mut self, seconds: f64) -> FullSettings {
         self.response.seconds = Some(seconds);
         self
+    }
+
+    /// The checked number of responses in a second.
+    fn responses_hz(&self) -> Result<f64, Error> {
+        let value = self.responses_per_second;
+        if value.is_finite() && value > 0.0 {
+            return Ok(value);
+        }
+        Err(Error::from(TraceError::BadSetting {
+            what: "responses in a second",
+            must: "finite and above 0".to_owned(),
+            value: value.to_string(),
+        }))
     }
 
     /// The length of the responses, in seconds.
@@ -192,21 +217,30 @@ impl FullSettings {
 struct Playing<'a> {
     sound: &'a mut Sound,
     ears: Auralisation,
-    response: Option<Response>,
+    /// The last response, until its late part is made, and the listener's axes.
+    response: Option<(Response, ListenerAxes)>,
     /// A late part that waits for the previous fade to end.
     late: Option<Heard>,
+    /// The source at the start of the current slot of frames, and at its end.
     heard: HeardSource,
+    next: HeardSource,
+    renewal: Renewal,
 }
 
 /// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source. Each frame's block is
-/// passed to `take`, with each source as the listener hears it, in the scene's order. Echoes are updated with each
-/// frame, the late part every quarter of a second. A source is traced again only when the source, the listener or a
-/// surface has changed.
+/// passed to `take`, with each source as the listener hears it, in the scene's order.
+///
+/// Responses are renewed in slots of whole frames, at most `settings.responses_per_second` times a second. The response
+/// of the end of a slot is traced at its start, and the echoes glide to it during the slot, so that they do not lag. A
+/// response is renewed only if the source or the listener has moved by 2 cm or turned by 1° since its last response, or a
+/// surface, a material or the air has changed. The late part follows every quarter of a second. The frames of a slot
+/// state the source at the slot's start.
 ///
 /// # Errors
 /// [`Error::Trace`] for settings out of range, [`Error::Audio`] for an invalid frame rate, the errors of
 /// [`Response::trace`], and any error that `take` returns; [`Error::Scene`] if there is no such listener,
 /// [`Error::Audio`] if the number of sounds differs from the number of sources.
+/// [`Error::Trace`] if the responses in a second are not finite and above 0.
 pub fn render_full<E: From<Error>>(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -231,23 +265,30 @@ pub fn render_full<E: From<Error>>(
     let mut stereo = vec![0.0; 2 * longest];
     let mut mono = vec![0.0; longest];
     let mut heard = Vec::with_capacity(sources.len());
-    let mut before: Option<Scene> = None;
+    let slots = Slots::new(settings.responses_hz()?, timing.fps, timing.frames());
     for (index, time, length) in blocks {
-        let late_is_due = index == 0 || is_due(time, time - 1.0 / timing.fps);
-        let now = scene.at(time);
+        if index == 0 {
+            let now = Rc::new(scene.at(time));
+            for (number, source) in sources.iter_mut().enumerate() {
+                let began = source.begin(tracer, &now, number, &settings);
+                began.map_err(|error| error.at(time))?;
+            }
+        }
+        if slots.begins(index) {
+            let end_s = slots.end_s(index);
+            let end = Rc::new(scene.at(end_s));
+            let late_is_due = index > 0 && is_due(time, time - slots.seconds());
+            for (number, source) in sources.iter_mut().enumerate() {
+                let glide = slots.samples(Sound::SAMPLE_RATE);
+                let next = source.listen(tracer, &end, number, &settings, late_is_due, glide);
+                next.map_err(|error| error.at(end_s))?;
+            }
+        }
         let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);
         stereo.fill(0.0);
         heard.clear();
-        for (number, source) in sources.iter_mut().enumerate() {
-            let pair = |scene| Scene::pair(scene, number, settings.listener);
-            let before = before.as_ref().map(pair).transpose();
-            let pairs = (
-                before.map_err(Error::from)?,
-                pair(&now).map_err(Error::from)?,
-            );
-            source
-                .listen(tracer, pairs, &settings, late_is_due, length as u32)
-                .map_err(|error| error.at(time))?;
+        for source in &mut sources {
+            source.fade_late()?;
             source.sound.fill(mono);
             source.ears.add(mono, stereo).map_err(Error::from)?;
             heard.push(source.heard);
@@ -258,7 +299,6 @@ pub fn render_full<E: From<Error>>(
             heard: &heard,
             samples: stereo,
         })?;
-        before = Some(now);
     }
     Ok(())
 }
@@ -276,49 +316,73 @@ impl<'a> Playing<'a> {
             response: None,
             late: None,
             heard: HeardSource::default(),
+            next: HeardSource::default(),
+            renewal: Renewal::default(),
         })
     }
 
-    /// Glides to the response of a pair over the given number of samples; `before` is the pair in the previous frame.
+    /// Renews the response of the source with index `number` if something has changed, and glides to its echoes over
+    /// the given number of samples.
+    fn renew(
+        &mut self,
+        tracer: &mut Tracer,
+        scene: &Rc<Scene>,
+        number: usize,
+        settings: &FullSettings,
+        samples: u32,
+    ) -> Result<(), Error> {
+        self.heard = self.next;
+        let indices = (number, settings.listener);
+        if !self.renewal.is_due(scene, indices)? {
+            return Ok(());
+        }
+        let pair = scene.pair(number, settings.listener)?;
+        let axes = ListenerAxes::of(pair.listener)?;
+        let response = Response::trace(tracer, pair, &settings.response)?;
+        self.next = HeardSource::of(&response);
+        let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec())?;
+        self.ears.glide_echoes(&echoes, samples)?;
+        self.response = Some((response, axes));
+        Ok(())
+    }
+
+    /// Glides to the state at the end of a slot of frames.
     fn listen(
         &mut self,
         tracer: &mut Tracer,
-        (before, pair): (Option<Pair>, Pair),
+        end: &Rc<Scene>,
+        number: usize,
         settings: &FullSettings,
         late_is_due: bool,
         samples: u32,
     ) -> Result<(), Error> {
-        let is_first = before.is_none();
-        let axes = ListenerAxes::of(pair.listener)?;
-        if before != Some(pair) {
-            let response = Response::trace(tracer, pair, &settings.response)?;
-            self.heard = HeardSource::of(&response);
-            let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec())?;
-            self.ears
-                .glide_echoes(&echoes, if is_first { 0 } else { samples })?;
-            self.response = Some(response);
-        }
+        self.renew(tracer, end, number, settings, samples)?;
         if late_is_due {
-            self.make_late(&axes, settings)?;
+            self.make_late(settings)?;
         }
-        if is_first {
-            return self.begin();
-        }
-        self.fade_late()
+        Ok(())
     }
 
     /// Computes the late part from the last response if this response has not been used yet.
-    fn make_late(&mut self, axes: &ListenerAxes, settings: &FullSettings) -> Result<(), Error> {
-        let Some(response) = self.response.take() else {
+    fn make_late(&mut self, settings: &FullSettings) -> Result<(), Error> {
+        let Some((response, axes)) = self.response.take() else {
             return Ok(());
         };
-        let heard = Heard::new(&response, axes, self.ears.spec(), settings.seed)?;
+        let heard = Heard::new(&response, &axes, self.ears.spec(), settings.seed)?;
         self.late = Some(heard);
         Ok(())
     }
 
-    /// Applies the first late part without a fade, and skips the latency.
-    fn begin(&mut self) -> Result<(), Error> {
+    /// Applies the first response without a glide, and skips the latency.
+    fn begin(
+        &mut self,
+        tracer: &mut Tracer,
+        scene: &Rc<Scene>,
+        number: usize,
+        settings: &FullSettings,
+    ) -> Result<(), Error> {
+        self.renew(tracer, scene, number, settings, 0)?;
+        self.make_late(settings)?;
         if let Some(late) = &mut self.late {
             self.ears.glide_late(late, 0)?;
         }

@@ -23,6 +23,7 @@ pub mod shape;
 mod sources_and_listeners;
 mod surface;
 mod transmission;
+mod value_range;
 
 pub use air::Air;
 pub use directivity::{Balloon, BalloonError, Directivity};
@@ -49,6 +50,7 @@ pub use shape::{Exactness, Node, Properties};
 pub use sources_and_listeners::{Listener, Source};
 pub use surface::{Nearest, Surface};
 pub use transmission::Transmission;
+pub use value_range::ValueRange;
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::shape::{Asset, Room};
@@ -94,6 +96,8 @@ pub struct Scene {
     pub materials: BTreeMap<String, Material>,
     /// The named values that set numbers of these materials.
     pub material_drivers: Vec<MaterialDriver>,
+    /// The ranges of named values, by name. Values without an entry have a range that follows from their quantity.
+    pub value_ranges: BTreeMap<String, ValueRange>,
     /// Scattering coefficient (0 to 1) of the [built-in materials](Material::BUILTIN), by octave band; 0 by default.
     /// In a scene file also the materials of the scene that state no scattering have this coefficient. Surfaces without
     /// a material do not scatter.
@@ -119,6 +123,7 @@ impl Scene {
             surfaces,
             materials: BTreeMap::new(),
             material_drivers: Vec::new(),
+            value_ranges: BTreeMap::new(),
             scattering: [0.0; BAND_COUNT],
             air: None,
             sources: vec![source],

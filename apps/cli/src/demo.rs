@@ -105,6 +105,9 @@ struct WindowOptions {
     /// Ratio of the picture's size to the window's [default: adapted to the frame time]
     #[arg(long, allow_negative_numbers = true, value_name = "SHARE", value_parser = real::<f32>)]
     scale: Option<f32>,
+    /// Size of texts and panels, 0.75 to 2.5; 1 is the size for the screen
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = real::<f32>)]
+    text_size: f32,
     /// Width in pixels, before display scaling
     #[arg(long, default_value_t = 960, value_name = "PIXELS", value_parser = count::<u32>)]
     width: u32,
@@ -202,6 +205,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         adapt_waves: window.adapt_waves || arguments.trace.waves.is_none(),
         frame_milliseconds: 1000.0 / window.frame_rate.fps,
         picture_scale: window.scale,
+        text_size: window.text_size,
         width: window.width,
         height: window.height,
         sound: sound.sound.clone(),
@@ -239,6 +243,7 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
     check_range("--width", f64::from(window.width), 320.0, 16_384.0)?;
     check_range("--height", f64::from(window.height), 180.0, 16_384.0)?;
     check_range("--scale", f64::from(window.scale.unwrap_or(1.0)), 0.05, 1.0)?;
+    check_range("--text-size", f64::from(window.text_size), 0.75, 2.5)?;
     check_range("--seconds", window.seconds.unwrap_or(1.0), SHORTEST_S, 1e9)?;
     if window.frames == Some(0) {
         let text = "--frames must be 1 or more: the window shows one before it closes";

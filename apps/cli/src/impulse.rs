@@ -15,6 +15,7 @@ use super::options::{Common, DiffractionOption, check_ending, check_range};
 use super::print;
 use super::scene::SceneAtTime;
 use accuracy::AccuracyOptions;
+pub(super) use accuracy::percent;
 use clap::{Args, ValueEnum};
 use echomarch::Error;
 use echomarch::audio::Sound;

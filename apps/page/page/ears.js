@@ -108,7 +108,7 @@ function tell(heard) {
   const echoes = heard.echoes;
   const late = heard.late;
   const buffers = late ? [echoes.buffer, late.buffer] : [echoes.buffer];
-  mix.postMessage({ scene, source: heard.source, echoes, late, glide: heard.glide_s }, buffers);
+  mix.postMessage({ scene, source: heard.source, echoes, late, gain: heard.gain, glide: heard.glide_s }, buffers);
   heard.free();
 }
 

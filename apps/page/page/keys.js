@@ -21,8 +21,10 @@ export function listenTo(canvas, on, look) {
   });
   addEventListener("keyup", (event) => down.delete(event.code));
   addEventListener("blur", () => down.clear());
-  canvas.addEventListener("click", () => {
+  canvas.addEventListener("click", (event) => {
     canvas.focus();
+    // A finger turns the gaze by dragging.
+    if (event.pointerType === "touch" || event.pointerType === "pen") return;
     if (document.pointerLockElement) document.exitPointerLock();
     // The browser may refuse the pointer lock, for example just after the last lock ended. The mouse then does not
     // rotate the gaze.

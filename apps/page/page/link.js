@@ -3,7 +3,7 @@
 // Defaults of the settings that a link omits.
 export const usual = {
   scene: "open-pillars", profile: "hybrid", waves: 65536, iterations: 8, listen: "full", sound: "speech",
-  volume: 0.5, least: "off",
+  volume: 0.5, least: "off", motion: "on",
   parts: { diffraction: false, transmission: true, mirrored: true, late: true },
   text: null, listener: null, source: null, values: {},
 };
@@ -59,6 +59,11 @@ function set(settings, name, value, choices) {
     settings.text = value;
     return "";
   }
+  if (name === "motion") {
+    if (!SWITCHED.includes(value)) return `motion has to be on or off, not "${value}": it is ignored`;
+    settings.motion = value;
+    return "";
+  }
   if (Object.hasOwn(choices, name)) {
     if (!choices[name].includes(value)) return `there is no ${name} "${value}": ${usual[name]} is used`;
     settings[name] = value;
@@ -97,7 +102,7 @@ function short(numbers) {
 // Returns the link for these settings.
 export function write(settings) {
   const said = new URLSearchParams();
-  for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume", "least"]) {
+  for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume", "least", "motion"]) {
     said.set(name, settings[name]);
   }
   for (const [name, isOn] of Object.entries(settings.parts)) {

@@ -25,6 +25,8 @@ export class Listening {
     // Whether full listening is available.
     this.hasEars = true;
     this.gaps = 0;
+    // Whether the scene is heard: a response or the pan of its balance is played.
+    this.isHeard = false;
     // The last state of the scene that was sent to the ears.
     this.stood = "";
     this.forget();
@@ -33,6 +35,7 @@ export class Listening {
   // Resets the levels, sources and times.
   forget() {
     this.levels = [SILENCE_DB, SILENCE_DB];
+    this.limited = 0;
     this.forgetSources();
     this.times = { trace: NaN, late: NaN };
   }
@@ -54,12 +57,15 @@ export class Listening {
     this.shown = shown;
     // The sources belong to the previous scene.
     this.forgetSources();
+    this.isHeard = false;
+    this.showPlay();
     this.sound?.play(shown.text, shown.name, this.state.sound);
   }
 
   // Sends the choices to the mix.
   hear() {
-    const pan = this.page.frame()[5] ?? 0;
+    // Before the first frame of waves the pan is unknown, and the balance is silent.
+    const pan = this.page.frame()[5] ?? NaN;
     this.sound?.listen(this.isFull() ? "full" : "balance", this.state.volume, this.state.profile, pan);
   }
 
@@ -76,7 +82,7 @@ export class Listening {
     this.stood = now;
     this.sound.stand({
       names: page.value_names(),
-      values: values.filter((_, index) => index % 3 === 0),
+      values: values.filter((_, index) => index % 4 === 0),
       seconds: page.seconds(),
       listener,
       source: sources.slice(0, 3),
@@ -91,6 +97,7 @@ export class Listening {
     $("play").disabled = true;
     try {
       if (!this.sound) {
+        $("play").textContent = "Computing…";
         await this.start();
       } else if (this.sound.isRunning()) {
         await this.sound.stop();
@@ -125,6 +132,13 @@ export class Listening {
     if (data.levels) {
       this.levels = data.levels;
       this.gaps = data.gaps;
+    }
+    if (data.heard !== undefined) {
+      this.limited = data.limited;
+      if (data.heard !== this.isHeard) {
+        this.isHeard = data.heard;
+        this.showPlay();
+      }
     }
     if (data.sources) {
       this.sources = data.sources;
@@ -165,6 +179,9 @@ export class Listening {
   }
 
   showPlay() {
-    $("play").textContent = this.sound?.isRunning() ? "Stop sound" : "Play sound";
+    const isRunning = this.sound?.isRunning() ?? false;
+    const isSilent = isRunning && !this.isHeard;
+    $("play").textContent = isSilent ? "Computing…" : isRunning ? "Stop sound" : "Play sound";
+    $("play").setAttribute("aria-busy", String(isSilent));
   }
 }

@@ -9,7 +9,10 @@ let ears = null;
 let mix = null;
 // The number of the scene that is played.
 let playing = 0;
-let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: 0 };
+let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: NaN };
+// Frames since the last report to the page, and the number of frames between two reports: a tenth of a second.
+let told = 0;
+const toldEvery = () => rate / 10;
 // Responses that the mix could not accept yet, by source. These responses are passed to the mix after the next block.
 const waiting = new Map();
 
@@ -32,14 +35,23 @@ function choose() {
 function block(frames) {
   const samples = mix ? mix.fill(frames) : new Float32Array(2 * frames);
   player.postMessage(samples, [samples.buffer]);
+  report(frames);
   for (const [source, heard] of waiting) {
     if (!tell(heard)) break;
     waiting.delete(source);
   }
 }
 
+// Reports to the page whether the scene is heard, and how much the limiter attenuates, in decibels.
+function report(frames) {
+  told += frames;
+  if (!mix || told < toldEvery()) return;
+  told = 0;
+  postMessage({ heard: mix.is_heard(), limited: mix.limited_db() });
+}
+
 function tell(heard) {
-  return mix.hear(heard.source, heard.echoes, heard.late, heard.glide);
+  return mix.hear(heard.source, heard.echoes, heard.late, heard.gain, heard.glide);
 }
 
 function hear(heard) {

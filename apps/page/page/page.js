@@ -1,12 +1,15 @@
 // The page: a walk through a scene, its sound, and the choices.
 
 import init, { Page, path_kinds, scene_text, scenes } from "./pkg/echomarch_browser.js";
+import { listenToScrolling, showError, showLines } from "./editor.js";
 import { listenTo } from "./keys.js";
 import * as link from "./link.js";
 import { Listening } from "./listening.js";
 import { Messages } from "./messages.js";
 import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
 import { Plan } from "./plan.js";
+import { prepare } from "./sound.js";
+import { listenToTouch } from "./touch.js";
 
 // Time spent on tracing waves in each picture, in milliseconds.
 const WAVES_MS = 8;
@@ -49,6 +52,7 @@ const state = {
   volume: link.usual.volume,
   least: link.usual.least,
   parts: { ...link.usual.parts },
+  motion: link.usual.motion,
   text: null,
   values: {},
 };
@@ -56,6 +60,7 @@ let gl = null;
 let page = null;
 let plan = null;
 let keys = null;
+let stick = null;
 let listening = null;
 
 // The number of pictures, the time of the last picture (null after a pause), and the average interval in milliseconds.
@@ -102,12 +107,6 @@ function take(isAnew) {
   showValues();
   listening.play(read);
   return true;
-}
-
-function showError(message) {
-  $("error").textContent = message;
-  $("error").hidden = !message;
-  if (message) $("editor").open = true;
 }
 
 // Sets the settings for tracing. If that fails, shows the reason and leaves everything unchanged.
@@ -165,7 +164,9 @@ function chooseScene(name) {
   state.text = null;
   state.values = {};
   if (take(true)) {
+    state.motion = "on";
     $("text").value = builtIn();
+    showLines();
   } else {
     Object.assign(state, before);
     $("scene").value = state.scene;
@@ -192,6 +193,7 @@ function follow(fragment) {
   state.volume = settings.volume;
   state.least = settings.least;
   state.parts = settings.parts;
+  state.motion = settings.motion;
   showParts();
   $("scene").value = state.scene;
   $("sound").value = state.sound;
@@ -202,6 +204,8 @@ function follow(fragment) {
   const isSet = trace(settings);
   if (take(true)) {
     if (!isSet) trace(settings);
+    // A scene that was opened moves.
+    if (state.motion === "off") page.pause_or_go_on();
     stay(settings, wrong);
   }
   messages.say("link", wrong.length > 0 ? `In the link: ${wrong.join("; ")}.` : "");
@@ -236,10 +240,10 @@ function showValues() {
   const names = page.value_names();
   const numbers = page.values();
   const rows = names.map((name, index) => {
-    const [value, least, most] = numbers.slice(3 * index, 3 * index + 3);
+    const [value, least, most, step] = numbers.slice(4 * index, 4 * index + 4);
     const label = document.createElement("label");
     const slider = document.createElement("input");
-    Object.assign(slider, { type: "range", min: least, max: most, step: (most - least) / 200, value });
+    Object.assign(slider, { type: "range", min: least, max: most, step: step || (most - least) / 200, value });
     slider.oninput = () => messages.say("values", setValue(name, Number(slider.value)));
     label.append(name, slider);
     return label;
@@ -260,7 +264,10 @@ function passedUntil(now) {
 }
 
 function picture(now) {
-  page.pass(keys.moves(), keys.runs, passedUntil(now) / 1000);
+  const moves = keys.moves();
+  moves[0] += stick.forward;
+  moves[1] += stick.right;
+  page.pass(moves, keys.runs, passedUntil(now) / 1000);
   const began = performance.now();
   if (page.trace(WAVES_MS)) listening.hear();
   const traced = performance.now();
@@ -308,7 +315,14 @@ function resize() {
 function drawPlan() {
   const seen = page.plan();
   const paths = listening.isFull() ? listening.paths : [];
-  plan.draw(seen, page.ways(), paths, page.listener(), page.radius(), page.sources());
+  plan.draw(seen, page.ways(), paths, {
+    listener: page.listener(),
+    radius: page.radius(),
+    sources: page.sources(),
+    others: page.other_listeners(),
+    sourceNames: page.source_names(),
+    listenerNames: page.listener_names(),
+  });
   seen.free();
 }
 
@@ -324,9 +338,9 @@ function adapt() {
 function show() {
   const frame = page.frame();
   showFrame(frame);
-  showLevels(listening.levels);
+  showLevels(listening.levels, listening.limited);
   const isFull = listening.isFull();
-  showSources(isFull ? listening.sources : [], isFull ? listening.texts : []);
+  showSources(isFull ? listening.sources : [], isFull ? listening.texts : [], page.source_names());
   const { trace, late } = listening.times;
   showTimes({ ...spent, between, frame: frame[6], ears: trace, late, gaps: listening.gaps });
   const share = Math.round(100 * SCALES[scale]);
@@ -386,7 +400,12 @@ function connect() {
   };
   $("play").onclick = () => listening.playOrStop();
   let waiting = 0;
+  $("size-of-text").onchange = (event) => {
+    document.querySelector("aside").style.zoom = event.target.value;
+  };
+  listenToScrolling();
   $("text").oninput = () => {
+    showLines();
     clearTimeout(waiting);
     waiting = setTimeout(readWritten, WRITTEN_MS);
   };
@@ -406,8 +425,8 @@ function readWritten() {
 // The actions of single key presses.
 const asked = {
   KeyF: () => page.pick_up_or_put_down(),
-  KeyP: () => page.pause_or_go_on(),
-  Space: () => page.pause_or_go_on(),
+  KeyP: pauseOrGoOn,
+  Space: pauseOrGoOn,
   Home: () => page.start_over(),
   Backspace: () => page.start_over(),
   KeyV: () => {
@@ -426,6 +445,11 @@ const asked = {
   Comma: () => choose("iterations", Math.max(link.LIMITS.iterations.least, state.iterations - 1)),
   Period: () => choose("iterations", Math.min(link.LIMITS.iterations.most, state.iterations + 1)),
 };
+
+function pauseOrGoOn() {
+  page.pause_or_go_on();
+  state.motion = state.motion === "on" ? "off" : "on";
+}
 
 function choose(name, value) {
   $(name).value = value;
@@ -447,15 +471,19 @@ async function begin() {
   listening = new Listening(page, state, messages);
   listening.play({ text: builtIn(), name: state.scene });
   plan = new Plan($("plan"), path_kinds());
-  keys = listenTo(canvas, asked, (right, up) => page.look(right, up));
+  const look = (right, up) => page.look(right, up);
+  keys = listenTo(canvas, asked, look);
+  stick = listenToTouch(canvas, $("stick"), look);
   connect();
   $("renderer").textContent = page.renderer();
-  follow(location.hash);
+  // The first scene stands still until P is pressed.
+  follow(location.hash || "#motion=off");
   canvas.focus();
   requestAnimationFrame(loop);
+  prepare();
   // Access for tests and for the browser's console.
   window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels,
-    paths: () => listening.paths, address };
+    paths: () => listening.paths, isHeard: () => listening.isHeard, named: () => plan.named, address };
 }
 
 begin().catch((error) => messages.say("page", `The page cannot start: ${error.message}`));

@@ -17,22 +17,32 @@ export function showFrame(frame) {
   $("pan").textContent = pan?.toFixed(3) ?? "–";
 }
 
-// Shows the played levels of both channels, in decibels.
-export function showLevels(levels) {
+// Level in decibels below which the played pan is not shown.
+const SILENT_DB = -60;
+const played = { pan: null };
+
+// Shows the played levels of both channels in decibels, the pan that has these levels by the law of constant power, and
+// the attenuation by the limiter in decibels. During pauses of the sound the last pan stays.
+export function showLevels(levels, limited) {
+  const [left, right] = levels.map((level) => 10 ** (level / 20));
+  if (Math.max(...levels) > SILENT_DB) played.pan = Math.atan2(right, left) / (Math.PI / 4) - 1;
+  $("played").textContent = played.pan?.toFixed(3) ?? "–";
+  $("limiter").textContent = limited > 0 ? `−${limited.toFixed(1)} dB` : "rests";
+  $("limiter").classList.toggle("limits", limited > 0);
   $("left").value = levels[0];
   $("right").value = levels[1];
 }
 
-// Shows the sources of full listening: three numbers per source, as EarsOfPage.sources returns them, and the paths by
+// Shows the sources of full listening with their names: three numbers per source, as EarsOfPage.sources returns them, and the paths by
 // kind, as EarsOfPage.source_texts returns them.
-export function showSources(sources, texts) {
+export function showSources(sources, texts, names) {
   const told = [];
   for (let i = 0; i < sources.length; i += 3) {
     const [level, paths, direct] = sources.slice(i, i + 3);
     if (Number.isNaN(level)) {
-      told.push("nothing arrives");
+      told.push(`${names[i / 3]}: nothing arrives`);
     } else {
-      told.push(`G ${level.toFixed(1)} dB, ${paths} paths${direct ? "" : ", hidden"}`);
+      told.push(`${names[i / 3]}: G ${level.toFixed(1)} dB, ${paths} paths${direct ? "" : ", hidden"}`);
     }
   }
   $("full").textContent = told.join("; ") || "–";

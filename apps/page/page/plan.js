@@ -17,6 +17,9 @@ const BESIDE_EXACT = 0.35;
 // Maximum height of the plan, in CSS pixels.
 const MOST_HEIGHT = 250;
 
+// Height of the texts in the plan, in CSS pixels.
+const TEXT = 11;
+
 export class Plan {
   // `kinds` are the names of the kinds of exact paths, as path_kinds returns them.
   constructor(canvas, kinds) {
@@ -26,8 +29,9 @@ export class Plan {
   }
 
   // Draws the plan. `plan` is a PlanOfPage; `ways` and `paths` are the arrays of numbers that Page.ways and
-  // EarsOfPage.paths return.
-  draw(plan, ways, paths, listener, radius, sources) {
+  // EarsOfPage.paths return. `marks` has the listener (x, y, z, yaw, pitch), the positions of the sources and of the
+  // other listeners, three numbers each, and the names of both; the names of the listeners begin with the walker's.
+  draw(plan, ways, paths, marks) {
     if (plan.rgba.length) {
       this.image.width = plan.width;
       this.image.height = plan.height;
@@ -52,7 +56,8 @@ export class Plan {
     this.ways(to, ways, at);
     to.globalAlpha = 1;
     this.paths(to, paths, at);
-    this.marks(to, at, scale, listener, radius, sources);
+    this.marks(to, at, scale, marks);
+    this.texts(to, at, scale, marks);
   }
 
   ways(to, ways, at) {
@@ -88,7 +93,7 @@ export class Plan {
     }
   }
 
-  marks(to, at, scale, [x, , z, yaw], radius, sources) {
+  marks(to, at, scale, { listener: [x, , z, yaw], radius, sources, others }) {
     const dot = (place, size, colour) => {
       to.beginPath();
       to.arc(...place, size, 0, 2 * Math.PI);
@@ -96,6 +101,7 @@ export class Plan {
       to.fill();
     };
     const one = devicePixelRatio;
+    for (let i = 0; i < others.length; i += 3) dot(at(others[i], others[i + 2]), 3 * one, "#56b4e966");
     const place = at(x, z);
     const size = Math.max(radius * scale, 3 * one);
     dot(place, size, "#56b4e940");
@@ -111,4 +117,57 @@ export class Plan {
       dot(at(sources[i], sources[i + 2]), 3.5 * one, "#f0b028");
     }
   }
+
+  // Names sources and listeners, and draws a bar of a round length in metres. No two texts overlap.
+  texts(to, at, scale, { listener, sources, others, sourceNames, listenerNames }) {
+    const one = devicePixelRatio;
+    to.font = `${TEXT * one}px system-ui, sans-serif`;
+    to.textBaseline = "middle";
+    const { width, height } = this.canvas;
+    const length = roundLength((0.3 * width) / scale);
+    const bar = [6 * one, height - 6 * one, length * scale];
+    const text = `${length} m`;
+    to.fillStyle = "#d6dce2";
+    to.fillRect(bar[0], bar[1] - one, bar[2], 2 * one);
+    const taken = [{ x: bar[0], y: bar[1] - (TEXT + 6) * one, width: Math.max(bar[2], to.measureText(text).width),
+      height: (TEXT + 7) * one }];
+    to.fillText(text, bar[0], bar[1] - (TEXT / 2 + 3) * one);
+    const positions = [];
+    for (let i = 0; i < sources.length; i += 3) positions.push([at(sources[i], sources[i + 2]), sourceNames[i / 3]]);
+    positions.push([at(listener[0], listener[2]), listenerNames[0]]);
+    for (let i = 0; i < others.length; i += 3) positions.push([at(others[i], others[i + 2]), listenerNames[i / 3 + 1]]);
+    // Marks are kept free too.
+    for (const [[x, y]] of positions) taken.push({ x: x - 5 * one, y: y - 5 * one, width: 10 * one, height: 10 * one });
+    this.named = [];
+    for (const [[x, y], name] of positions) {
+      const box = free(x, y, to.measureText(name).width, TEXT * one, 9 * one, taken, [width, height]);
+      if (!box) continue;
+      taken.push(box);
+      this.named.push({ name, ...box });
+      to.fillStyle = "#10141ab0";
+      to.fillRect(box.x - one, box.y, box.width + 2 * one, box.height);
+      to.fillStyle = "#d6dce2";
+      to.fillText(name, box.x, box.y + box.height / 2);
+    }
+  }
+}
+
+// Returns the first free box for a text beside a mark: right, left, above, below; null if all four are taken.
+function free(x, y, width, height, beside, taken, [most, lowest]) {
+  const places = [[x + beside, y - height / 2], [x - beside - width, y - height / 2],
+    [x - width / 2, y - beside - height], [x - width / 2, y + beside]];
+  const isFree = (box) => box.x >= 0 && box.y >= 0 && box.x + width <= most && box.y + height <= lowest &&
+    taken.every((other) => !overlap(box, other));
+  return places.map(([left, top]) => ({ x: left, y: top, width, height })).find(isFree) ?? null;
+}
+
+function overlap(a, b) {
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+// The largest of 1, 2 or 5 times a power of ten that is at most `most`.
+function roundLength(most) {
+  const ten = 10 ** Math.floor(Math.log10(most));
+  const factor = [5, 2, 1].find((times) => times * ten <= most) ?? 1;
+  return Number((factor * ten).toPrecision(3));
 }

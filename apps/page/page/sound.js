@@ -18,6 +18,23 @@ function lacking() {
   return "";
 }
 
+// Workers that load their wasm before the click, so that the sound begins sooner.
+const prepared = new Map();
+
+function load(part) {
+  return new Worker(`${part}.js`, { type: "module" });
+}
+
+// Loads the workers of the first sound. A worker that fails is loaded again, and reports its failure, when the sound
+// starts.
+export function prepare() {
+  for (const part of ["mix", "ears"]) {
+    const worker = load(part);
+    worker.onerror = () => prepared.delete(part);
+    prepared.set(part, worker);
+  }
+}
+
 export class Sound {
   // Starts the sound. This function must be called from a click handler, because browsers play no sound before a click.
   // `told` receives the name of a part ("mix", "ears", "player") and its message.
@@ -58,7 +75,8 @@ export class Sound {
   }
 
   worker(part, told) {
-    const worker = new Worker(`${part}.js`, { type: "module" });
+    const worker = prepared.get(part) ?? load(part);
+    prepared.delete(part);
     worker.onmessage = ({ data }) => {
       if (data.answered !== undefined) {
         this.answered = data.answered;

@@ -163,6 +163,12 @@ impl HeardByPage {
         self.message.late.clone()
     }
 
+    /// The gain of the scene's sound, an amplitude factor.
+    #[wasm_bindgen(getter)]
+    pub fn gain(&self) -> f32 {
+        self.message.gain
+    }
+
     /// Glide time from the previous echoes to these, in seconds.
     #[wasm_bindgen(getter)]
     pub fn glide_s(&self) -> f64 {

@@ -37,7 +37,7 @@ impl MixOfPage {
         self.mix.set_volume(volume);
     }
 
-    /// Sets the pan of the balance, −1 to 1, with the panning law of the profile `of`.
+    /// Sets the pan of the balance, −1 to 1 (NaN before the first frame of waves), with the panning law of the profile `of`.
     pub fn set_pan(&mut self, of: &str, pan: f32) -> Result<(), JsError> {
         self.mix.set_pan(profile(of)?, pan);
         Ok(())
@@ -50,15 +50,27 @@ impl MixOfPage {
         source: u32,
         echoes: Vec<f64>,
         late: Option<Vec<f32>>,
+        gain: f32,
         glide_s: f64,
     ) -> bool {
         let message = HeardMessage {
             source: source as usize,
             echoes,
             late,
+            gain,
             glide_s,
         };
         self.mix.hear(message).unwrap_or(true)
+    }
+
+    /// The largest attenuation by the limiter since the last call, in decibels, 0 or more.
+    pub fn limited_db(&self) -> f32 {
+        self.mix.limited_db()
+    }
+
+    /// Whether the scene is heard: a response, or the pan of its balance, is played.
+    pub fn is_heard(&self) -> bool {
+        self.mix.is_heard()
     }
 
     /// The next samples of both channels, interleaved.

@@ -3,7 +3,7 @@
 use crate::{scene, settings, thrown};
 use echomarch::gl::Context;
 use echomarch::glam::Vec3;
-use echomarch_walk::{MoveInput, Visit, Walker};
+use echomarch_walk::{MoveInput, ValueSlider, Visit, Walker, listener_names, source_names};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
@@ -142,6 +142,24 @@ impl Page {
             .collect()
     }
 
+    /// The names of the sources.
+    pub fn source_names(&self) -> Vec<String> {
+        source_names(self.visit.scene())
+    }
+
+    /// The names of the listeners; the first is the walker.
+    pub fn listener_names(&self) -> Vec<String> {
+        listener_names(self.visit.scene())
+    }
+
+    /// The positions of all listeners except the walker in metres, three numbers each.
+    pub fn other_listeners(&self) -> Vec<f32> {
+        let others = self.visit.scene().listeners.iter().skip(1);
+        others
+            .flat_map(|listener| listener.position.to_array())
+            .collect()
+    }
+
     /// The position of the first source in metres if the user has moved it or carries it; empty if the source follows
     /// its path.
     pub fn placed_source(&self) -> Vec<f32> {
@@ -166,14 +184,16 @@ impl Page {
     pub fn value_names(&self) -> Vec<String> {
         self.visit
             .values()
-            .map(|(name, ..)| name.to_owned())
+            .map(|(slider, _)| slider.name.clone())
             .collect()
     }
 
-    /// For each named value: its value, minimum and maximum.
+    /// For each named value: its value, minimum, maximum and step (0 if the scene states none).
     pub fn values(&self) -> Vec<f32> {
-        let numbers =
-            |(_, value, [least, most], _): (&str, f32, [f32; 2], &str)| [value, least, most];
+        let numbers = |(slider, value): (&ValueSlider, f32)| {
+            let (least, most) = (*slider.range.start(), *slider.range.end());
+            [value, least, most, slider.step.unwrap_or(0.0)]
+        };
         self.visit.values().flat_map(numbers).collect()
     }
 

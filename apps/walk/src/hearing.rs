@@ -4,6 +4,7 @@
 
 use super::drawn_paths::{self, DrawnPath};
 use super::parts::Parts;
+use super::scene_gain;
 use super::wave_budget::{
     LEAST_LATE_WAVES, LEAST_WAVES, LONGEST_LOOK_S, MOST_WAVES, TraceTime, early_waves, late_waves,
 };
@@ -17,9 +18,12 @@ use echomarch::{Error, bands};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an
-/// expensive scene. A response of this length contains the first echoes of a room.
+/// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an expensive scene. A response of this length contains the first echoes of a room.
 const FIRST_LENGTH_S: f64 = 0.25;
+
+/// Number of waves for early arrivals in the first trace of a scene without marched fields: the sound begins early, and
+/// later traces find the remaining paths.
+const FIRST_WAVES: u32 = 2048;
 
 /// Typical number of waves in an estimate of the response length.
 const ESTIMATE_WAVES: f64 = 4096.0;
@@ -61,6 +65,10 @@ pub struct EarsStatus {
     /// Number of waves for early arrivals in the last trace, and the number requested without the limit of one second.
     pub waves: u32,
     pub waves_asked: u32,
+    /// The gain of the scene's sound in decibels: at 0 dB, a source at 1 m in the open is as loud as its sound.
+    pub gain_db: f64,
+    /// The attenuation by the limiter in decibels, 0 or more.
+    pub limited_db: f32,
     /// Duration of the last trace, and of its late part, in milliseconds.
     pub trace_ms: f64,
     pub late_ms: f64,
@@ -86,6 +94,8 @@ pub struct Hearing {
     tracer: Tracer,
     /// The scene of the last trace, and the parts that were heard.
     scene: Option<(Scene, Parts)>,
+    /// The gain of the scene's sound, an amplitude factor; `None` before the first trace of a scene.
+    gain: Option<f32>,
     /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
     /// The profile of the last trace.
@@ -114,6 +124,8 @@ pub struct Found<'a> {
     pub response: &'a Response,
     /// The listener's coordinate axes.
     pub axes: &'a ListenerAxes,
+    /// The gain of the scene's sound, an amplitude factor.
+    pub gain: f32,
     /// Whether the late part must be computed.
     pub is_late_due: bool,
     /// Glide time from the previous echoes to the new ones, in seconds.
@@ -129,10 +141,11 @@ impl Hearing {
         Ok(Hearing {
             tracer: Tracer::new(context)?,
             scene: None,
+            gain: None,
             length: None,
             profile: None,
             cost: Some(0.0),
-            early_waves: MOST_WAVES,
+            early_waves: FIRST_WAVES,
             early_waves_heard: 0,
             late_waves: LEAST_LATE_WAVES,
             late_waves_heard: 0,
@@ -188,6 +201,7 @@ impl Hearing {
             .with_seconds(seconds)
             .with_late_waves(self.late_waves);
         let how = parts.choose(how);
+        let gain = self.gain_of(scene, &how)?;
         let tracing = Instant::now();
         let listener = scene.pair(0, LISTENER)?.listener();
         let axes = ListenerAxes::of(listener)?;
@@ -195,6 +209,7 @@ impl Hearing {
             curve_s: seconds,
             waves: how.trace.waves,
             waves_asked: settings.waves.min(MOST_WAVES),
+            gain_db: 20.0 * f64::from(gain).log10(),
             ..EarsStatus::default()
         };
         let mut curve = vec![0.0; CURVE_POINTS];
@@ -213,6 +228,7 @@ impl Hearing {
                 source,
                 response: &response,
                 axes: &axes,
+                gain,
                 is_late_due,
                 glide_s,
             })?;
@@ -248,10 +264,23 @@ impl Hearing {
         let takes_steps = settings.profile() != Profile::Hybrid;
         let may_be_dear = takes_steps || scene.surfaces.iter().any(is_marched);
         self.length = None;
+        self.gain = None;
         (self.early_waves, self.late_waves, self.cost) = match may_be_dear {
             true => (LEAST_WAVES, LEAST_WAVES, None),
-            false => (MOST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
+            false => (FIRST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
         };
+    }
+
+    /// The gain of the scene's sound. It is computed in the first trace of a scene, and stays until another scene.
+    fn gain_of(&mut self, scene: &Scene, how: &ResponseSettings) -> Result<f32, Error> {
+        if let Some(gain) = self.gain {
+            return Ok(gain);
+        }
+        let mut how = how.clone();
+        how.trace.waves = how.trace.waves.min(LEAST_LATE_WAVES);
+        let gain = scene_gain::of_scene(&mut self.tracer, scene, LISTENER, &how)?;
+        self.gain = Some(gain);
+        Ok(gain)
     }
 
     /// Whether the predicted duration of an estimate of the length is below its limit.

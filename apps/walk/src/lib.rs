@@ -7,6 +7,8 @@
 //! | `values` | the named values of the scene |
 //! | `plan`, `paths` | the scene from above, and the paths of waves drawn in it |
 //! | `hearing`, `parts` | full listening, and the parts of it that the user can switch |
+//! | `mark_names` | the names of sources and listeners in the plan |
+//! | `scene_gain` | the gain of a scene's sound |
 //! | `drawn_paths` | the exact paths of the last trace, drawn in the plan |
 //! | `ears`, `mix` | for the page: full listening as plain numbers, and its mix in blocks of samples |
 //!
@@ -15,10 +17,12 @@
 mod drawn_paths;
 mod ears;
 mod hearing;
+mod mark_names;
 mod mix;
 mod parts;
 mod paths;
 mod plan;
+mod scene_gain;
 mod values;
 mod visit;
 mod walk;
@@ -28,6 +32,7 @@ mod world;
 pub use drawn_paths::{DRAWN_PER_SOURCE, DrawnPath};
 pub use ears::Ears;
 pub use hearing::{EarsStatus, Found, Hearing, QUIETEST_DB};
+pub use mark_names::{listener_names, source_names};
 pub use mix::{HeardMessage, Mix};
 #[cfg(feature = "audio")]
 pub use mix::{NOISE_SEED, player};

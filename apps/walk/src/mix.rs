@@ -11,9 +11,8 @@ use echomarch::tracer::Profile;
 /// Seed of the noise in the late parts.
 pub const NOISE_SEED: u64 = 1;
 
-/// Gain of the whole output, in decibels: a source at a distance of 4 m is as loud as its sound file. Louder passages
-/// are limited.
-const GAIN_DB: f32 = 12.0;
+/// Gain of a player before its first response, which brings the gain of its scene.
+const FIRST_GAIN: f32 = 1.0;
 
 /// Duration of one fade, in seconds. The old sound fades out, then the new sound fades in. Both fades together take as
 /// long as the 20 ms cross-fade of the window. The volume glides from 0 to 1 in the time of one fade.
@@ -33,7 +32,7 @@ pub fn player(
         sound.unwrap_or_else(|_| Sound::new(Silence))
     };
     let sounds = (0..scene.sources.len()).map(load).collect();
-    Player::new(sounds, played(scene, rate_hz), 10_f32.powf(GAIN_DB / 20.0))
+    Player::new(sounds, played(scene, rate_hz), FIRST_GAIN)
 }
 
 /// The specification of a scene's player.
@@ -74,6 +73,8 @@ pub struct HeardMessage {
     pub echoes: Vec<f64>,
     /// The samples of the late part, one channel after the other; `None` if the late part is unchanged.
     pub late: Option<Vec<f32>>,
+    /// The gain of the scene's sound, an amplitude factor.
+    pub gain: f32,
     /// Glide time from the previous echoes to these, in seconds.
     pub glide_s: f64,
 }
@@ -91,6 +92,7 @@ impl HeardMessage {
             source: found.source,
             echoes: parts.echoes,
             late: parts.late,
+            gain: found.gain,
             glide_s: found.glide_s,
         })
     }
@@ -107,7 +109,8 @@ pub struct Mix {
     voices: Voices,
     listen: Listen,
     mixer: Mixer,
-    pan: f32,
+    /// The pan of the balance; `None` before the first frame of waves.
+    pan: Option<f32>,
     /// The state to switch to once the output is silent.
     wanted: Wanted,
     /// Progress of the fade in samples: 0 is silence, `fade_length` is full level.
@@ -163,7 +166,7 @@ impl Mix {
             voices: Voices::new(scene, spec, rate_hz)?,
             listen,
             mixer: Mixer::new(law),
-            pan: 0.0,
+            pan: None,
             wanted: Wanted {
                 voices: None,
                 listen,
@@ -201,10 +204,28 @@ impl Mix {
         };
     }
 
-    /// Sets the pan of the balance, −1 to 1, computed with the given profile.
+    /// Sets the pan of the balance, −1 to 1, computed with the given profile. The balance is silent until a pan is known
+    /// (NaN means that it is not).
     pub fn set_pan(&mut self, profile: Profile, pan: f32) {
         self.wanted.law = PanningLaw::for_profile(profile);
-        self.pan = pan;
+        if !pan.is_nan() {
+            self.pan = Some(pan);
+        }
+    }
+
+    /// The largest attenuation by the limiter since the last call, in decibels, 0 or more.
+    pub fn limited_db(&self) -> f32 {
+        self.voices.remote.limited_db()
+    }
+
+    /// Whether the mix has played a response of its scene, or a pan of its balance.
+    pub fn is_heard(&self) -> bool {
+        let is_new = self.wanted.voices.is_none();
+        is_new
+            && match self.wanted.listen {
+                Listen::Full => self.voices.remote.is_heard(),
+                Listen::Balance => self.pan.is_some(),
+            }
     }
 
     /// Glides to the response of a source. If too many glides are in progress, returns false and changes nothing.
@@ -218,6 +239,7 @@ impl Mix {
         };
         let voices = self.wanted.voices.as_mut().unwrap_or(&mut self.voices);
         let heard = parts.heard(voices.remote.spec());
+        voices.remote.set_gain(message.gain)?;
         Ok(voices.remote.hear(message.source, heard, message.glide_s)?)
     }
 
@@ -228,6 +250,10 @@ impl Mix {
         while !rest.is_empty() {
             if self.fade == 0 {
                 self.change_over();
+            }
+            if self.listen == Listen::Balance && self.pan.is_none() && self.fade == 0 {
+                rest.fill(0.0);
+                return;
             }
             let is_ending = self.is_to_change();
             let frames = match is_ending {
@@ -268,7 +294,8 @@ impl Mix {
             Listen::Balance => {
                 self.mono.resize(stereo.len() / 2, 0.0);
                 self.voices.sound.fill(&mut self.mono);
-                let mixed = self.mixer.mix(&self.mono, self.pan, stereo);
+                let pan = self.pan.unwrap_or_default();
+                let mixed = self.mixer.mix(&self.mono, pan, stereo);
                 debug_assert!(mixed.is_ok(), "there are two samples for each one");
             }
         }
@@ -359,11 +386,47 @@ mod tests {
             source: 0,
             echoes: Vec::new(),
             late: Some(late),
+            gain: 1.0,
             glide_s: 0.0,
         };
         assert!(mix.hear(message).unwrap());
         let mut heard = vec![0.0; RATE_HZ as usize];
         mix.fill(&mut heard);
         assert!(heard.iter().any(|sample| *sample != 0.0));
+    }
+
+    /// Protects the first second: the balance is silent until the pan of a frame is known, full sound until a response
+    /// has arrived, and then both fade in.
+    #[test]
+    fn nothing_is_played_before_it_is_known_where_it_comes_from() {
+        let scene = Scene::builtin("corner").unwrap();
+        let noise = SoundSpec::Noise { seed: 1 };
+        for listen in [Listen::Full, Listen::Balance] {
+            let mut mix = Mix::new(&scene, &noise, RATE_HZ).unwrap();
+            mix.set_listen(listen);
+            mix.set_volume(1.0);
+            mix.set_pan(Profile::Hybrid, f32::NAN);
+            let mut stereo = vec![1.0; RATE_HZ as usize];
+            mix.fill(&mut stereo);
+            assert!(stereo.iter().all(|sample| *sample == 0.0), "{listen}");
+            assert!(!mix.is_heard(), "{listen}");
+            let spec = played(&scene, RATE_HZ);
+            let mut late = vec![0.0; 2 * (spec.longest_s * f64::from(RATE_HZ)) as usize];
+            late[0] = 0.3;
+            let message = HeardMessage {
+                source: 0,
+                echoes: Vec::new(),
+                late: Some(late),
+                gain: 1.0,
+                glide_s: 0.02,
+            };
+            mix.set_pan(Profile::Hybrid, 0.3);
+            assert!(mix.hear(message).unwrap());
+            mix.fill(&mut stereo);
+            let peak = |samples: &[f32]| samples.iter().fold(0.0_f32, |peak, s| peak.max(s.abs()));
+            let (first, steady) = (peak(&stereo[..96]), peak(&stereo[40_000..]));
+            assert!(mix.is_heard() && steady > 0.1, "{listen}: {steady}");
+            assert!(first < 0.2 * steady, "{listen}: {first}, {steady}");
+        }
     }
 }

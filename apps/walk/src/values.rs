@@ -23,6 +23,8 @@ pub struct ValueSlider {
     pub start: f32,
     /// The slider's range.
     pub range: RangeInclusive<f32>,
+    /// The step between two values; `None` for any value.
+    pub step: Option<f32>,
     /// Whether the slider is logarithmic.
     pub is_logarithmic: bool,
     /// The unit shown behind the number.
@@ -43,9 +45,15 @@ pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     let reach = 0.5 * (shown.max - shown.min).max_element();
     let slider = |value: NamedValue| {
         let (name, start, quantity) = (value.name, value.value, value.quantity);
+        let stated = scene.value_ranges.get(&name);
         ValueSlider {
-            range: range(quantity, start, reach),
-            is_logarithmic: matches!(quantity, Quantity::Length | Quantity::Factor),
+            range: match stated {
+                Some(stated) => stated.min..=stated.max,
+                None => range(quantity, start, reach),
+            },
+            step: stated.and_then(|stated| stated.step),
+            is_logarithmic: stated.is_none()
+                && matches!(quantity, Quantity::Length | Quantity::Factor),
             unit: unit(quantity),
             name,
             start,
@@ -125,5 +133,24 @@ mod tests {
         world.set("door", 90.0).unwrap();
         assert!((world.base.surfaces[1].angles.y - 90f32.to_radians()).abs() < 1e-6);
         assert_eq!(world.values, [("door".to_owned(), 90.0)]);
+    }
+
+    /// Protects the range that a scene file states: the slider has its ends and its step.
+    #[test]
+    fn a_slider_has_the_range_of_the_file() {
+        let ranges = "ranges: {\"door\": Range(min: 0, max: 90, step: 5), \"width\": Range(min: 1, max: 3)},";
+        let text = SCENE.replacen("source:", &format!("{ranges} source:"), 1);
+        let sliders = value_sliders(&Scene::from_ron(&text, "s").unwrap());
+        let of = |name: &str| sliders.iter().find(|slider| slider.name == name).unwrap();
+        assert_eq!(
+            (of("door").range.clone(), of("door").step),
+            (0.0..=90.0, Some(5.0))
+        );
+        let width = of("width");
+        assert_eq!(
+            (width.range.clone(), width.step, width.is_logarithmic),
+            (1.0..=3.0, None, false)
+        );
+        assert_eq!(of("melt").range, 0.0..=1.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::paths::{PATH_ITERATIONS, Paths};
 use super::plan::{Cut, PlanImage, STUB, way};
-use super::{MoveInput, Walker, World};
+use super::{MoveInput, ValueSlider, Walker, World};
 use echomarch::Error;
 use echomarch::gl::Context;
 use echomarch::picture::{Bounds, View};
@@ -201,13 +201,10 @@ impl Visit {
         self.world.start_over();
     }
 
-    /// The named values of the scene: name, value, minimum, maximum, unit.
-    pub fn values(&self) -> impl Iterator<Item = (&str, f32, [f32; 2], &'static str)> {
-        self.world.sliders.iter().map(|slider| {
-            let ends = [*slider.range.start(), *slider.range.end()];
-            let value = self.world.value_of(slider);
-            (slider.name.as_str(), value, ends, slider.unit)
-        })
+    /// The sliders of the scene's named values, and their current values.
+    pub fn values(&self) -> impl Iterator<Item = (&ValueSlider, f32)> {
+        let sliders = self.world.sliders.iter();
+        sliders.map(|slider| (slider, self.world.value_of(slider)))
     }
 
     /// Sets a named value, in the unit of its file.

@@ -88,7 +88,25 @@ impl Ears {
 
     /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
-        lock(&self.shared.status).clone()
+        let status = lock(&self.shared.status).clone();
+        #[cfg(feature = "audio")]
+        if let Some(remote) = lock(&self.shared.remote).as_ref() {
+            return EarsStatus {
+                limited_db: remote.limited_db(),
+                ..status
+            };
+        }
+        status
+    }
+
+    /// Whether the player has played a response. It is false without a player.
+    pub fn is_heard(&self) -> bool {
+        #[cfg(feature = "audio")]
+        return lock(&self.shared.remote)
+            .as_ref()
+            .is_some_and(PlayerRemote::is_heard);
+        #[cfg(not(feature = "audio"))]
+        false
     }
 
     /// Plays the sources of a scene in stereo. If `spec` is a file or a sine, every source plays it; otherwise each
@@ -207,6 +225,7 @@ fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
         && remote.spec() == spec
         && found.source < remote.source_count()
     {
+        remote.set_gain(found.gain)?;
         remote.hear(found.source, heard, found.glide_s)?;
     }
     Ok(())

@@ -279,6 +279,7 @@ impl App {
             latency: self.latency.parts(),
             sound: &self.sound,
             levels: self.speaker.levels(),
+            played_pan: self.speaker.played_pan(),
             ears: self.in_full.is_some().then_some(&self.ears_status),
             gl_errors: self.gl_errors(),
             message: self

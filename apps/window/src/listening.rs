@@ -13,6 +13,10 @@ impl App {
             if self.in_full.take().is_some() {
                 self.speaker.play_balance();
             }
+            // Before the first frame of waves, it is not known where the sound comes from.
+            if self.heard.is_some() {
+                self.speaker.begin();
+            }
             return;
         }
         let ears = self
@@ -35,6 +39,9 @@ impl App {
         if self.in_full.as_ref() != Some(&wanted) {
             self.speaker.play_in_full(ears, scene, &wanted.sound);
             self.in_full = Some(wanted);
+        }
+        if ears.is_heard() {
+            self.speaker.begin();
         }
     }
 }

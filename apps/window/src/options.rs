@@ -32,6 +32,8 @@ pub struct DemoOptions {
     pub width: u32,
     /// Height of the window in pixels, before display scaling.
     pub height: u32,
+    /// The size of texts and panels, relative to the size for the screen, 0.75 to 2.5.
+    pub text_size: f32,
     /// The sound, in the syntax of [`Sound::parse`](echomarch::audio::Sound::parse).
     pub sound: String,
     /// Loudness, 0 to 1.
@@ -80,6 +82,7 @@ impl Default for DemoOptions {
             picture_scale: None,
             width: 960,
             height: 540,
+            text_size: 1.0,
             sound: "speech".into(),
             volume: 0.5,
             listen: None,

@@ -46,25 +46,68 @@ pub struct Speaker {
     law: PanningLaw,
     volume: f32,
     panning: Panning,
+    /// Whether full listening is played.
+    is_in_full: bool,
+    /// Whether the first response, or the first frame of waves, is known. The volume is 0 before.
+    has_begun: bool,
+    /// The last pan of the played levels.
+    #[cfg(feature = "audio")]
+    played_pan: Option<f32>,
     #[cfg(feature = "audio")]
     live: Option<Live>,
 }
 
+/// The level below which the balance of both channels is not shown, 0 to 1: −60 dB.
+#[cfg(feature = "audio")]
+const SILENT_LEVEL: f32 = 1e-3;
+
 impl Speaker {
     /// Starts the sound. This call never fails: without a device the window is silent and reports the reason.
     pub fn start(options: &DemoOptions) -> Speaker {
-        let speaker = Speaker {
+        Speaker {
             law: law_of(options),
             volume: options.volume,
             panning: Panning::default(),
+            is_in_full: false,
+            has_begun: false,
+            #[cfg(feature = "audio")]
+            played_pan: None,
             #[cfg(feature = "audio")]
             live: start(options),
-        };
-        #[cfg(feature = "audio")]
-        if let Some(live) = &speaker.live {
-            live.set_volume(options.volume);
         }
-        speaker
+    }
+
+    /// Fades the sound in, because it is known where it comes from.
+    pub fn begin(&mut self) {
+        if !self.has_begun {
+            self.has_begun = true;
+            self.set_volume(self.volume);
+        }
+    }
+
+    /// The pan of the sound that is played, −1 to 1: with a device from the levels of both channels by the law of
+    /// constant power, kept during pauses; otherwise the pan of the last frame. `None` before any sound.
+    pub fn played_pan(&mut self) -> Option<f32> {
+        #[cfg(feature = "audio")]
+        if let Some(live) = &self.live
+            && live.status().device.is_some()
+        {
+            let [left, right] = live.levels();
+            if left.max(right) > SILENT_LEVEL {
+                self.played_pan = Some(pan_of_levels(left, right, self.played_law()));
+            }
+            return self.played_pan;
+        }
+        self.has_begun.then(|| self.panning.pan() as f32)
+    }
+
+    /// The law of the played channels.
+    #[cfg(feature = "audio")]
+    fn played_law(&self) -> PanningLaw {
+        match self.is_in_full {
+            true => PanningLaw::ConstantPower,
+            false => self.law,
+        }
     }
 
     /// Sets the panning of the last frame. The call takes no lock.
@@ -89,7 +132,7 @@ impl Speaker {
     pub fn set_volume(&mut self, volume: f32) {
         self.volume = volume;
         #[cfg(feature = "audio")]
-        if let Some(live) = &self.live {
+        if let Some(live) = self.live.as_ref().filter(|_| self.has_begun) {
             live.set_volume(volume);
         }
     }
@@ -110,6 +153,7 @@ impl Speaker {
 
     /// Plays the sources of a scene in full listening, instead of one sound with its pan.
     pub fn play_in_full(&mut self, ears: &Ears, scene: &Scene, sound: &str) {
+        self.is_in_full = true;
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
             && let Ok(spec) = sound.parse()
@@ -122,6 +166,7 @@ impl Speaker {
 
     /// Plays one sound with its pan.
     pub fn play_balance(&mut self) {
+        self.is_in_full = false;
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
             live.set_stereo(None);
@@ -181,6 +226,15 @@ fn law_of(options: &DemoOptions) -> PanningLaw {
     options.law.unwrap_or(usual)
 }
 
+/// The pan, −1 to 1, at which a law gives both channels these levels.
+#[cfg(feature = "audio")]
+fn pan_of_levels(left: f32, right: f32, law: PanningLaw) -> f32 {
+    match law {
+        PanningLaw::Linear => (right - left) / (right + left),
+        PanningLaw::ConstantPower => right.atan2(left) / std::f32::consts::FRAC_PI_4 - 1.0,
+    }
+}
+
 /// The message of a build without the feature `audio`.
 #[cfg(not(feature = "audio"))]
 const SILENT: &str = "silent: built without sound";
@@ -194,6 +248,7 @@ fn start(options: &DemoOptions) -> Option<Live> {
         device: options.device.clone(),
         buffer_frames: options.buffer,
         law: law_of(options),
+        volume: 0.0,
     };
     // The sound was checked when the options were parsed.
     options
@@ -254,6 +309,18 @@ mod tests {
         status.has_sound = true;
         status.last_error = Some("the sound device Cellar is lost".to_owned());
         status
+    }
+
+    /// Protects the marker of the balance: it is at the pan whose gains the channels have, with both laws.
+    #[test]
+    fn the_marker_is_at_the_pan_of_the_levels() {
+        for law in [PanningLaw::Linear, PanningLaw::ConstantPower] {
+            for pan in [-1.0, -0.4, 0.0, 0.7, 1.0] {
+                let gains = law.gains(pan);
+                let found = pan_of_levels(0.1 * gains.left, 0.1 * gains.right, law);
+                assert!((found - pan).abs() < 1e-5, "{law}: {found}, not {pan}");
+            }
+        }
     }
 
     /// Protects the panel's message: an earlier loss of the device is no longer shown. A sound that could not be loaded

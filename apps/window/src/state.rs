@@ -65,6 +65,10 @@ pub struct Choices {
     pub panels: bool,
     /// Whether the paths of waves are drawn in the plan.
     pub paths: bool,
+    /// The size of texts and panels, relative to the size for the screen.
+    pub text_size: f32,
+    /// Whether the size is being changed; it applies afterwards.
+    pub is_sizing: bool,
 }
 
 impl Choices {
@@ -85,6 +89,8 @@ impl Choices {
             help: options.help,
             panels: true,
             paths: true,
+            text_size: options.text_size,
+            is_sizing: false,
         }
     }
 

@@ -56,6 +56,8 @@ pub struct LiveOptions {
     pub buffer_frames: u32,
     /// The panning law.
     pub law: PanningLaw,
+    /// The volume at the start, as in [`Live::set_volume`]; 1 by default.
+    pub volume: f32,
 }
 
 impl Default for LiveOptions {
@@ -64,6 +66,7 @@ impl Default for LiveOptions {
             device: None,
             buffer_frames: 1024,
             law: PanningLaw::default(),
+            volume: 1.0,
         }
     }
 }
@@ -116,7 +119,7 @@ pub struct Live {
 }
 
 impl Live {
-    /// Starts to play `sound`, panned to the centre and at full volume.
+    /// Starts to play `sound`, panned to the centre and at the volume of `options`.
     ///
     /// This function never fails. Without a device, or if opening it fails, the sound pauses, the output is silent, and
     /// [`status`](Self::status) contains the reason; the device is retried from time to time. If loading the sound
@@ -129,6 +132,7 @@ impl Live {
             is_stopping: Arc::new(AtomicBool::new(false)),
             commands,
         };
+        common.shared.set_volume(options.volume);
         let LiveOptions {
             device,
             buffer_frames,

@@ -196,7 +196,12 @@ impl Scene {
         Err(self.bad_number(what, "greater than 0 and at most 1e9", value))
     }
 
-    fn bad_number(&self, what: &str, must: &'static str, value: impl fmt::Display) -> SceneError {
+    pub(super) fn bad_number(
+        &self,
+        what: &str,
+        must: &'static str,
+        value: impl fmt::Display,
+    ) -> SceneError {
         SceneError::BadNumber {
             scene: self.name.clone(),
             what: what.to_owned(),
@@ -228,6 +233,7 @@ impl Scene {
         let listeners = self.listeners.iter().map(|listener| &listener.name);
         self.validate_names("listeners", listeners)?;
         self.validate_air()?;
+        self.validate_value_ranges()?;
         if let Some(share) = self
             .scattering
             .iter()

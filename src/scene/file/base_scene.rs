@@ -20,7 +20,7 @@ use super::{folder_of, malformed, options, parse, text_of};
 use crate::bands::Bands;
 use crate::scene::check::twice;
 use crate::scene::notation::{Attached, FixedRadius, Name, Written};
-use crate::scene::{Directivity, FIELDS, Named, Scene, SceneError, named};
+use crate::scene::{Directivity, FIELDS, Named, Scene, SceneError, ValueRange, named};
 use glam::Vec3;
 use ron::ser::PrettyConfig;
 use ron::value::RawValue;
@@ -92,6 +92,8 @@ pub(super) struct BasedFile<'a> {
     name: Name,
     #[serde(default)]
     materials: Materials,
+    #[serde(default)]
+    ranges: BTreeMap<String, ValueRange>,
     scattering: Option<OfBands<SceneScattering>>,
     air: Option<AirFile>,
     source: Option<SourceFile>,
@@ -162,6 +164,10 @@ impl BasedFile<'_> {
         let materials = self.materials.scattering_by(scene.scattering);
         scene.materials.extend(materials);
         scene.set_material_drivers(&self.materials.names(), self.materials.drivers());
+        let ranges = self.ranges.iter();
+        scene
+            .value_ranges
+            .extend(ranges.map(|(name, range)| (name.clone(), *range)));
         if let Some(air) = &self.air {
             scene.air = Some(air.change(scene.air));
         }

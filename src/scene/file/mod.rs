@@ -14,7 +14,7 @@ mod tests;
 mod text;
 
 use super::check::NOT_A_ROOM;
-use super::{Scene, SceneError};
+use super::{Scene, SceneError, ValueRange};
 use crate::bands::Bands;
 use crate::file_input::{MalformedText, read_text};
 use crate::ron_error;
@@ -26,6 +26,7 @@ use per_band::{OfBands, SceneScattering};
 use ron::error::{Error, SpannedError};
 use serde::Deserialize;
 use sources_and_listeners::{ListenerFile, Several, SourceFile};
+use std::collections::BTreeMap;
 use std::iter::once;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -184,6 +185,8 @@ struct SceneFile {
     surfaces: Vec<SurfaceFile>,
     #[serde(default)]
     materials: Materials,
+    #[serde(default)]
+    ranges: BTreeMap<String, ValueRange>,
     scattering: Option<OfBands<SceneScattering>>,
     air: Option<AirFile>,
     source: Option<SourceFile>,
@@ -208,6 +211,7 @@ impl SceneFile {
             surfaces: surfaces?,
             materials: self.materials.scattering_by(scattering).collect(),
             material_drivers: self.materials.drivers(),
+            value_ranges: self.ranges,
             scattering,
             air: self.air.map(|air| air.change(None)),
             sources: sources?,

@@ -6,6 +6,7 @@
 use super::SceneFile;
 use super::sources_and_listeners::DIRECTIVITIES;
 use crate::bands::{BAND_COUNT, Bands};
+use crate::scene::ValueRange;
 use crate::scene::notation::{Attached, Fields, Form, ShapeName, Written};
 use crate::scene::shape::Room;
 use crate::scene::shape::{form_of, numbered};
@@ -54,6 +55,11 @@ impl Serialize for Scene {
         if self.scattering != [0.0; BAND_COUNT] {
             fields.push(("scattering", by_band(self.scattering)));
         }
+        if !self.value_ranges.is_empty() {
+            let ranges = self.value_ranges.iter();
+            let ranges = ranges.map(|(name, range)| (name.clone(), value_range(range)));
+            fields.push(("ranges", Written::Map(ranges.collect())));
+        }
         fields.extend(self.air.map(|of| ("air", air(of))));
         fields.push(match &self.sources[..] {
             [] => return Err(ser::Error::custom(none_of(self, "source"))),
@@ -67,6 +73,14 @@ impl Serialize for Scene {
         });
         Written::Struct("Scene", fields).serialize(serializer)
     }
+}
+
+fn value_range(of: &ValueRange) -> Written {
+    let mut fields = Fields::new();
+    fields.push(("min", Written::Number(of.min)));
+    fields.push(("max", Written::Number(of.max)));
+    fields.extend(of.step.map(|step| ("step", Written::Number(step))));
+    Written::Struct("Range", fields)
 }
 
 fn none_of(scene: &Scene, what: &str) -> String {

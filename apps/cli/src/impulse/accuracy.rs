@@ -25,7 +25,7 @@ pub struct AccuracyOptions {
 }
 
 /// Parses a share in per cent: `2%`, `2 %` or `0.02`.
-fn percent(said: &str) -> Result<f64, String> {
+pub fn percent(said: &str) -> Result<f64, String> {
     match said.strip_suffix('%') {
         Some(number) => real::<f64>(number.trim_end()).map(|percent| percent / 100.0),
         None => {

@@ -2,7 +2,7 @@
 
 use super::super::impulse::pairs::first;
 use super::super::print;
-use super::{Job, ReportHead, sounds};
+use super::{Job, Parts, ReportHead, sounds};
 use echomarch::audio::{Mixer, Sound, WavWriter};
 use echomarch::offline::{self, Block};
 use echomarch::{Error, Frame};
@@ -56,7 +56,12 @@ pub fn run(job: Job) -> anyhow::Result<()> {
         });
         let took_ms = block.heard.milliseconds.total;
         if times.is_empty() {
-            job.note_dear(settings.waves, 1e-3 * took_ms, &bar);
+            let parts = Parts {
+                name: "frame",
+                count: timing.frames(),
+                option: "--fps",
+            };
+            job.note_dear(parts, settings.waves, 1e-3 * took_ms, &bar);
         }
         times.push(took_ms);
         bar.inc(1);

@@ -200,9 +200,9 @@ impl Job<'_> {
         }
     }
 
-    /// Prints a note after the first frame, which took `seconds`, if the remaining frames will take long.
-    fn note_dear(&self, waves: u32, seconds: f64, bar: &indicatif::ProgressBar) {
-        if let Some(note) = dear_note(waves, seconds, self.timing.frames()) {
+    /// Prints a note after the first part, which took `seconds`, if the remaining parts will take long.
+    fn note_dear(&self, parts: Parts, waves: u32, seconds: f64, bar: &indicatif::ProgressBar) {
+        if let Some(note) = dear_note(parts, waves, seconds) {
             bar.suspend(|| self.common.note(&note));
         }
     }
@@ -212,16 +212,31 @@ impl Job<'_> {
     }
 }
 
-/// Returns a note on the predicted time of all frames if one frame took `seconds`. Returns `None` if the time is short
-/// or there is only one frame.
-fn dear_note(waves: u32, seconds: f64, frames: u64) -> Option<String> {
-    let minutes = seconds * frames as f64 / 60.0;
-    if minutes < DEAR_MINUTES || frames < 2 {
+/// The traced parts of a sound.
+#[derive(Clone, Copy)]
+struct Parts {
+    /// One of them.
+    name: &'static str,
+    count: u64,
+    /// The option that reduces their number.
+    option: &'static str,
+}
+
+/// Returns a note on the predicted time of all parts if one of them took `seconds`. Returns `None` if the time is short
+/// or there is only one part.
+fn dear_note(parts: Parts, waves: u32, seconds: f64) -> Option<String> {
+    let Parts {
+        name,
+        count,
+        option,
+    } = parts;
+    let minutes = seconds * count as f64 / 60.0;
+    if minutes < DEAR_MINUTES || count < 2 {
         return None;
     }
     Some(format!(
-        "note: a frame of {waves} waves takes {seconds:.1} s, so that {frames} frames take about {minutes:.0} min: \
-         fewer --waves or a lower --fps take less"
+        "note: a {name} of {waves} waves takes {seconds:.1} s, so that {count} {name}s take about {minutes:.0} min: \
+         fewer --waves or a lower {option} take less"
     ))
 }
 
@@ -288,9 +303,14 @@ mod tests {
     /// Protects the user of an expensive field from a long wait of unknown duration.
     #[test]
     fn the_time_of_all_frames_is_told_after_the_first() {
-        assert_eq!(dear_note(65_536, 0.7, 150), None);
-        assert_eq!(dear_note(65_536, 400.0, 1), None);
-        let note = dear_note(65_536, 40.0, 150).unwrap();
+        let parts = |count: u64| Parts {
+            name: "frame",
+            count,
+            option: "--fps",
+        };
+        assert_eq!(dear_note(parts(150), 65_536, 0.7), None);
+        assert_eq!(dear_note(parts(1), 65_536, 400.0), None);
+        let note = dear_note(parts(150), 65_536, 40.0).unwrap();
         assert!(note.starts_with(
             "note: a frame of 65536 waves takes 40.0 s, so that 150 frames take about 100 min"
         ));

@@ -156,7 +156,15 @@ fn what_is_heard_is_recorded() {
     // balance is closer to the traced one. The interval with the glide is skipped.
     let balance_db = |window: &[f64; 2]| 20.0 * (window[0] / window[1]).log10();
     let has_arrived = |window: &[f64; 2]| balance_db(window) / balance_db(&wanted) > 0.5;
-    let first = heard.iter().position(has_arrived).unwrap() + 1;
+    let arrived = heard.iter().position(has_arrived).unwrap() + 1;
+    // The volume rises from the first frame of waves on.
+    let risen = heard.iter().position(is_right).unwrap();
+    assert!(
+        risen <= arrived + 5,
+        "the sound rises for {} windows",
+        risen - arrived
+    );
+    let first = arrived.max(risen);
     let (last, compared) = (heard.len() - 2, heard.len() - 2 - first);
     assert!(compared >= 10, "{compared} windows after the middle");
     for window in &heard[first..last] {
@@ -228,6 +236,115 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     assert!(
         in_full["sources"][0]["paths"].as_u64() >= Some(1),
         "{in_full}"
+    );
+}
+
+/// A source to the right of the listener, in the open.
+const AT_THE_RIGHT: &str = r#"Scene(
+    surfaces: [Surface(shape: Sphere(radius: 0.1), position: (0, -500, 0))],
+    source: Source(position: (4, 0, 0)),
+    listener: Listener(position: (0, 0, 0), radius: 0.3),
+)"#;
+
+/// Protects the first second: the window plays nothing before the first response, and then the source where it is. Any
+/// sound before would be in the middle. The sound fades in.
+#[test]
+fn nothing_is_heard_before_the_first_response() {
+    /// Samples of an interval: 5 ms.
+    const SHORT: usize = 240;
+    let display = Display::new();
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let folder = tempfile::tempdir().unwrap();
+    for listen in ["full", "balance"] {
+        let scene = folder.path().join("right.ron");
+        std::fs::write(&scene, AT_THE_RIGHT).unwrap();
+        let begin = recorder.samples().len();
+        let demo = open(&display, &server, &[argument(&scene), "--listen", listen]);
+        wait_for("sound", || {
+            let [left, right] = level(&recorder.samples());
+            right > 0.01 && right > 4.0 * left
+        });
+        demo.quit();
+        let samples = recorder.samples();
+        let heard = gains(&samples[begin..], SHORT);
+        let first = heard.iter().position(|[l, r]| l + r > 0.0);
+        let first = first.expect("a sound");
+        let loudest = heard
+            .iter()
+            .fold(0.0_f64, |most, [_, right]| most.max(*right));
+        println!("{listen}: silence for {} ms", 5 * first);
+        assert!(
+            heard[first][1] < 0.7 * loudest,
+            "{listen}: {:?}",
+            heard[first]
+        );
+        for [left, right] in &heard[first..] {
+            let is_silent = left + right < 0.02 * loudest;
+            assert!(is_silent || *right > 3.0 * left, "{listen}: {left} {right}");
+        }
+    }
+}
+
+/// A long room with a source at one end.
+const LONG_ROOM: &str = r#"Scene(
+    surfaces: [Surface(shape: Room(size: (5, 3, 14)), material: "wall")],
+    materials: {"wall": Material(absorption: 0.3, scattering: 0.2)},
+    source: Source(position: (0, 0, -5)),
+    listener: Listener(position: (0, 0, 6), radius: 0.3),
+)"#;
+
+/// Protects differences of level: a walk towards a source changes the recorded level as much as the level on the meter,
+/// and the limiter rests.
+#[test]
+fn a_walk_to_the_source_is_as_loud_as_it_is_traced() {
+    let display = Display::new();
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("long.ron");
+    std::fs::write(&scene, LONG_ROOM).unwrap();
+    let demo = open(&display, &server, &[argument(&scene)]);
+    let z = |frame: &Value| frame["listener"][2].as_f64().unwrap_or(0.0);
+    // The level after three further traces, and the strength in the report of the same place.
+    let heard = |what: &str| {
+        wait_for(what, || level(&recorder.samples())[0] > 0.0);
+        demo.wait_traced(20);
+        let mut found = (0.0, 0.0);
+        let mut next = recorder.samples().len();
+        wait_for("a steady level", || {
+            let samples = recorder.samples();
+            if samples.len() < next {
+                return false;
+            }
+            // Levels are compared over different intervals, a second apart.
+            next = samples.len() + 2 * 48_000;
+            let frame = demo.wait_until(what, |frame| frame["sources"][0]["level_db"].is_f64());
+            let [left, right] = level(&samples);
+            let recorded = 10.0 * (left * left + right * right).log10();
+            let before = std::mem::replace(
+                &mut found,
+                (recorded, frame["sources"][0]["level_db"].as_f64().unwrap()),
+            );
+            (before.0 - found.0).abs() < 0.3 && (before.1 - found.1).abs() < 0.3
+        });
+        found
+    };
+    let far = heard("sound far away");
+    demo.hold_until("w", "a place near the source", |frame| z(frame) < -3.0);
+    let near = heard("sound near the source");
+    let (report, _, _) = demo.quit();
+    let (recorded, traced) = (near.0 - far.0, near.1 - far.1);
+    println!("recorded {recorded:.1} dB, traced {traced:.1} dB");
+    assert!(traced > 3.0, "{far:?} {near:?}");
+    assert!(
+        (recorded - traced).abs() < 1.5,
+        "recorded {recorded} dB, traced {traced} dB"
+    );
+    assert_eq!(
+        report["in_full"]["limited_db"], 0.0,
+        "{}",
+        report["in_full"]
     );
 }
 

@@ -4,6 +4,7 @@
 //! `scripts/browser-test.sh` builds the page and runs these tests. Otherwise they are skipped, because the build needs
 //! another compiler target.
 
+mod first_visit;
 mod sound;
 
 use crate::common::cli::{argument, json};

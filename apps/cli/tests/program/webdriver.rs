@@ -215,6 +215,35 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
+    /// Makes the browser one with a touch screen, for pages that are loaded later.
+    pub fn emulate_touch(&self) {
+        let command = json!({
+            "cmd": "Emulation.setTouchEmulationEnabled",
+            "params": { "enabled": true, "maxTouchPoints": 2 },
+        });
+        self.ask("POST", "/goog/cdp/execute", Some(&command));
+    }
+
+    /// Puts a finger on the centre of an element and moves it by an offset in pixels to the right and down. The finger
+    /// stays until `lift`.
+    pub fn touch(&self, css: &str, right: i32, down: i32) {
+        let origin = json!({ ELEMENT: self.element(css) });
+        let actions = json!({ "actions": [{
+            "type": "pointer", "id": "finger", "parameters": { "pointerType": "touch" },
+            "actions": [
+                { "type": "pointerMove", "origin": origin, "x": 0, "y": 0 },
+                { "type": "pointerDown", "button": 0 },
+                { "type": "pointerMove", "origin": origin, "x": right, "y": down },
+            ],
+        }] });
+        self.ask("POST", "/actions", Some(&actions));
+    }
+
+    /// Lifts the finger of `touch`.
+    pub fn lift(&self) {
+        self.ask("DELETE", "/actions", None);
+    }
+
     /// Types into an element. For a file field, `text` is a path.
     pub fn type_into(&self, css: &str, text: &str) {
         let path = format!("/element/{}/value", self.element(css));

@@ -17,6 +17,9 @@ use egui::{Button, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui, Ve
 const LEAST_LEVEL: &str = "a source is never quieter than this level relative to its direct sound in the open: \
                            a floor for games, not physics";
 
+/// Limits of the size of texts and panels, relative to the size for the screen.
+pub const TEXT_SIZES: std::ops::RangeInclusive<f32> = 0.75..=2.5;
+
 /// Draws all controls.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
     scene(ui, hud, chosen, actions);
@@ -112,6 +115,7 @@ fn value(ui: &mut Ui, world: &World, of: &ValueSlider, actions: &mut Vec<Action>
     let slider = slider(&mut value, of.range.clone())
         .logarithmic(of.is_logarithmic)
         .max_decimals(3)
+        .step_by(of.step.map_or(0.0, f64::from))
         .suffix(match of.unit {
             "m" => " m",
             other => other,
@@ -261,6 +265,10 @@ fn frame(ui: &mut Ui, hud: &HudState, chosen: &mut Choices) {
     {
         chosen.picture_scale = (!follows).then_some(share);
     }
+    let size = slider(&mut chosen.text_size, TEXT_SIZES).fixed_decimals(2);
+    let sized = style::slider(ui, "text size", size).on_hover_text("1 is the size for this screen");
+    // A slider that changes its own size while it is dragged jumps under the pointer.
+    chosen.is_sizing = sized.dragged();
     let range = SCALES[0]..=SCALES[SCALES.len() - 1];
     let slider = slider(&mut share, range).fixed_decimals(2);
     if style::slider(ui, "of window", slider).changed() {

@@ -35,7 +35,22 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
     let times = format!("{:.0} + {:.0} ms", ears.trace_ms, ears.late_ms);
     style::row(ui, "trace, late part", times);
     style::row(ui, "waves for echoes", waves(ears));
+    let gain = match ears.sources.is_empty() {
+        true => "–".to_owned(),
+        false => format!("{:+.1} dB", ears.gain_db),
+    };
+    style::row(ui, "gain of the scene", gain);
+    limiter(ui, ears);
     ui.separator();
+}
+
+/// Shows whether the limiter works: it does where the listener is nearer to a source than the gain of the scene allows.
+fn limiter(ui: &mut Ui, ears: &EarsStatus) {
+    let (text, colour) = match ears.limited_db {
+        0.0 => ("rests".to_owned(), style::TEXT),
+        by => (format!("−{by:.1} dB"), style::BAD),
+    };
+    style::coloured_row(ui, "limiter", text, colour);
 }
 
 /// Formats the number of waves. If the time limit of one second reduced it, the requested number follows.

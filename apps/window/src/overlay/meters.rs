@@ -11,7 +11,7 @@ const NUMBER: f32 = 54.0;
 /// Decibels at the left end of a meter.
 const QUIETEST: f32 = -48.0;
 
-/// Level meters for both channels, and the pan between them.
+/// Level meters for both channels, and a marker at the pan of the sound that is played.
 pub fn draw(ui: &mut Ui, hud: &HudState) {
     for (name, level) in ["L", "R"].into_iter().zip(hud.levels) {
         ui.horizontal(|ui| {
@@ -19,7 +19,6 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
             meter(ui, level);
         });
     }
-    let pan = hud.heard.map_or(0.0, |heard| heard.panning.pan()) as f32;
     ui.horizontal(|ui| {
         ui.monospace(" ");
         let width = ui.available_width() - NUMBER;
@@ -29,9 +28,14 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
         painter.line_segment(line, (1.0, style::FAINT));
         let middle = [rect.center_top(), rect.center_bottom()];
         painter.line_segment(middle, (1.0, style::FAINT));
-        let x = rect.center().x + 0.5 * pan * rect.width();
-        painter.circle_filled(Pos2::new(x, rect.center().y), 4.5, style::LISTENER);
-        ui.monospace(format!("{pan:+.3}"));
+        if let Some(pan) = hud.played_pan {
+            let x = rect.center().x + 0.5 * pan * rect.width();
+            painter.circle_filled(Pos2::new(x, rect.center().y), 4.5, style::LISTENER);
+        }
+        ui.monospace(
+            hud.played_pan
+                .map_or("–".to_owned(), |pan| format!("{pan:+.3}")),
+        );
     });
 }
 

@@ -3,6 +3,7 @@
 mod choices;
 mod full_listening;
 mod help;
+mod labels;
 mod materials;
 mod meters;
 mod plan;
@@ -119,6 +120,8 @@ pub struct HudState<'a> {
     pub sound: &'a SoundStatus,
     /// Level of the left and the right channel, 0 to 1.
     pub levels: [f32; 2],
+    /// The pan of the sound that is played, −1 to 1; `None` before any sound.
+    pub played_pan: Option<f32>,
     /// The status of full listening, if it is on.
     pub ears: Option<&'a EarsStatus>,
     /// Number of frames after which GL reported an error; `None` if errors are not queried.
@@ -136,6 +139,11 @@ pub struct HudState<'a> {
 /// Lays out all panels, and returns the requested actions.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
+    if !chosen.is_sizing {
+        let size = chosen.text_size;
+        let (least, most) = (*choices::TEXT_SIZES.start(), *choices::TEXT_SIZES.end());
+        ui.ctx().set_zoom_factor(size.clamp(least, most));
+    }
     let room = Room::of(ui, hud, chosen);
     let panels = chosen.panels && !room.is_help_alone;
     if panels && room.size.x >= ROOM_FOR_BOTH {

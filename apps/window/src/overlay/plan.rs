@@ -1,12 +1,13 @@
 //! The scene from above: walls from the distance function, sources, listeners, the paths of some waves, and the exact
 //! paths of full listening.
 
+use super::labels::{free_place, round_length};
 use super::{HudState, style};
 use echomarch::picture::Bounds;
 use echomarch::response::PathKind;
 use echomarch::scene::{Listener, Scene};
 use echomarch::tracer::{Fate, Wave};
-use echomarch_walk::{Cut, DrawnPath, STUB, way};
+use echomarch_walk::{Cut, DrawnPath, STUB, listener_names, source_names, way};
 use egui::{
     Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Shape, Stroke, TextureHandle,
     TextureOptions, Ui, Vec2,
@@ -52,10 +53,8 @@ impl Plan {
             painter.extend(exact_shapes(exact, place));
         }
         marks(&painter, scene, scale, place);
-        let corner = rect.left_bottom() + Vec2::new(5.0, -2.0);
-        let text = format!("{:.0} × {:.0} m", size.x, size.y);
-        let font = egui::FontId::proportional(9.0);
-        painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
+        let bar = scale_bar(&painter, rect, scale);
+        names(&painter, scene, scale, place, (rect, bar));
         if hud.ears.is_some() {
             legend(ui);
         }
@@ -113,8 +112,7 @@ fn legend(ui: &mut Ui) {
 /// Opacity of the marks of all listeners except the first, whose sound is played.
 const FURTHER: f32 = 0.4;
 
-/// Draws the sources, the first listener, and the other listeners in a paler colour. Names are added if there are
-/// several sources or several listeners.
+/// Draws the sources, the first listener, and the other listeners in a paler colour.
 fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
     if let Some((walker, others)) = scene.listeners.split_first() {
         for listener in others {
@@ -128,20 +126,52 @@ fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3
         painter.circle_filled(at, 6.5, style::SOURCE.gamma_multiply(0.3));
         painter.circle(at, 3.5, style::SOURCE, Stroke::new(1.0, Color32::BLACK));
     }
-    let name = |at: Vec3, beside: f32, name: String| {
-        let at = place(at) + Vec2::new(beside + 3.0, 0.0);
-        let font = egui::FontId::proportional(9.0);
-        painter.text(at, egui::Align2::LEFT_CENTER, name, font, style::TEXT);
-    };
-    if scene.sources.len() > 1 {
-        for (source, label) in scene.sources.iter().zip(scene.source_labels()) {
-            name(source.position, 6.5, label);
-        }
-    }
-    if scene.listeners.len() > 1 {
-        for (listener, label) in scene.listeners.iter().zip(scene.listener_labels()) {
-            name(listener.position, radius_of(listener, scale), label);
-        }
+}
+
+/// Height of the texts in the plan, in points.
+const PLAN_TEXT: f32 = 9.0;
+
+/// Share of the plan's width that the bar of its scale may have.
+const BAR_SHARE: f32 = 0.3;
+
+/// Draws a bar of a round length in metres in the lower left corner. Returns its place with its text.
+fn scale_bar(painter: &egui::Painter, rect: Rect, scale: f32) -> Rect {
+    let metres = round_length(BAR_SHARE * rect.width() / scale);
+    let start = rect.left_bottom() + Vec2::new(5.0, -4.0);
+    let end = start + Vec2::new(metres * scale, 0.0);
+    painter.line_segment([start, end], Stroke::new(2.0, style::TEXT));
+    let font = egui::FontId::proportional(PLAN_TEXT);
+    let at = start - Vec2::new(0.0, 2.0);
+    let text = format!("{metres} m");
+    let text = painter.text(at, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
+    text.union(Rect::from_two_pos(start, end).expand(2.0))
+}
+
+/// Names the sources and the listeners. No two texts overlap; a name without a free place is left out.
+fn names(
+    painter: &egui::Painter,
+    scene: &Scene,
+    scale: f32,
+    place: impl Fn(Vec3) -> Pos2,
+    (rect, bar): (Rect, Rect),
+) {
+    let sources = scene.sources.iter().zip(source_names(scene));
+    let sources = sources.map(|(source, name)| (place(source.position), 6.5, name));
+    let listeners = scene.listeners.iter().zip(listener_names(scene));
+    let listeners = listeners
+        .map(|(listener, name)| (place(listener.position), radius_of(listener, scale), name));
+    let marks: Vec<(Pos2, f32, String)> = sources.chain(listeners).collect();
+    let mark = |(at, _, _): &(Pos2, f32, String)| Rect::from_center_size(*at, Vec2::splat(9.0));
+    let mut taken: Vec<Rect> = marks.iter().map(mark).chain([bar]).collect();
+    for (at, radius, name) in marks {
+        let font = egui::FontId::proportional(PLAN_TEXT);
+        let galley = painter.layout_no_wrap(style::plain(&name), font, style::TEXT);
+        let Some(free) = free_place(at, galley.size(), radius + 3.0, &taken, rect) else {
+            continue;
+        };
+        painter.rect_filled(free, 2.0, style::BEHIND_TEXT);
+        painter.galley(free.min, galley, style::TEXT);
+        taken.push(free);
     }
 }
 

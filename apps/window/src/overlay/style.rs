@@ -53,6 +53,8 @@ pub const DIFFRACTED: Color32 = Color32::from_rgb(240, 100, 200);
 pub const TRANSMITTED: Color32 = Color32::from_rgb(150, 140, 255);
 /// Errors.
 pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
+/// Background of a text in the plan.
+pub const BEHIND_TEXT: Color32 = Color32::from_rgba_premultiplied(11, 14, 18, 176);
 /// Background of a panel.
 const BACK: Color32 = Color32::from_rgba_premultiplied(16, 20, 24, 214);
 
@@ -219,10 +221,15 @@ pub fn heading(ui: &mut Ui, text: &str) {
 
 /// A row with two columns: a name in a fainter colour, and a value.
 pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
+    coloured_row(ui, name, value, TEXT);
+}
+
+/// A row as [`row`], with the value in a colour.
+pub fn coloured_row(ui: &mut Ui, name: &str, value: impl Into<String>, colour: Color32) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(FAINT));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(value).monospace());
+            ui.label(RichText::new(value).monospace().color(colour));
         });
     });
 }

@@ -115,6 +115,7 @@ fn laid_out(
         sound: &sound,
         ears: Some(&ears),
         levels: [0.0, moment.milliseconds.min(1.0) as f32],
+        played_pan: Some(0.25),
         gl_errors: moment.heard,
         message: says[0],
         refusal: says[1],

@@ -1,0 +1,49 @@
+// The editor of the scene's text: line numbers, and the error beside the line that causes it.
+
+const $ = (id) => document.getElementById(id);
+
+// Place of an error in the text: "name:line:column: message".
+const PLACE = /:(\d+):(\d+): /;
+
+let bad = 0;
+
+// Shows the numbers of the lines, and marks the line with the error.
+export function showLines() {
+  const count = $("text").value.split("\n").length;
+  const numbers = Array.from({ length: count }, (_, index) => {
+    const line = document.createElement("span");
+    line.textContent = `${index + 1}\n`;
+    line.className = index + 1 === bad ? "bad" : "";
+    return line;
+  });
+  $("lines").replaceChildren(...numbers);
+  $("lines").scrollTop = $("text").scrollTop;
+}
+
+// Shows an error above the text, with the line that causes it; "" removes the error.
+export function showError(message) {
+  const box = $("error");
+  const place = message.match(PLACE);
+  bad = place ? Number(place[1]) : 0;
+  box.textContent = message;
+  box.hidden = !message;
+  $("text").setAttribute("aria-invalid", String(Boolean(message)));
+  const line = $("text").value.split("\n")[bad - 1];
+  if (place && line !== undefined) {
+    const code = document.createElement("code");
+    code.textContent = `line ${bad}: ${line.trim()}`;
+    box.append(code);
+  }
+  if (message) {
+    $("editor").open = true;
+    box.scrollIntoView({ block: "nearest" });
+  }
+  showLines();
+}
+
+// Keeps the numbers beside their lines while the text is scrolled.
+export function listenToScrolling() {
+  $("text").addEventListener("scroll", () => {
+    $("lines").scrollTop = $("text").scrollTop;
+  });
+}
