@@ -65,7 +65,12 @@ stage() {
     rm -rf "$SOURCE"
     mkdir -p "$SOURCE"
     for name in * .github; do
-        [[ "$name" == target || "$name" == docs || "$name" == *.md ]] || ln -s "$PWD/$name" "$SOURCE/$name"
+        case "$name" in
+        target | docs | *.md) ;;
+        # Sphinx reads documents in these folders, and does not follow links to them.
+        adapters | bindings) tar --exclude=target -cf - "$name" | tar -xf - -C "$SOURCE" ;;
+        *) ln -s "$PWD/$name" "$SOURCE/$name" ;;
+        esac
     done
     cp ./*.md "$SOURCE"
     cp -R docs "$SOURCE/docs"

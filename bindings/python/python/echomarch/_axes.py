@@ -37,7 +37,18 @@ def to_pyfar(vectors: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 
 def from_pyfar(vectors: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Convert vectors from the axes of pyfar to those of scene files: the inverse of :func:`to_pyfar`."""
+    """Convert vectors from the axes of pyfar to those of scene files.
+
+    Parameters
+    ----------
+    vectors : array_like, shape (..., 3)
+        x ahead, y to the left, z up, in any unit.
+
+    Returns
+    -------
+    numpy.ndarray, shape (..., 3)
+        x to the right, y up, z backwards.
+    """
     given = np.asarray(vectors, dtype=np.float64)
     return np.stack([-given[..., 1], given[..., 2], -given[..., 0]], axis=-1) + 0.0
 

@@ -23,7 +23,8 @@ BANDS_HZ = np.array(_echomarch.BANDS_HZ)
 """Centre frequencies of the octave bands in Hz."""
 
 FIGURES = tuple(name.split("_")[0] for name in _echomarch.FIGURES)
-"""Names of the figures: edt, t20, t30 (s), c50, c80 (dB), d50 (0 to 1), ts (s), g (dB)."""
+"""Names of the figures, with their units in :attr:`Response.figures`, in the order edt, t20, t30 (s), c50, c80 (dB), d50
+(0 to 1), ts (s), g (dB)."""
 
 _FIGURES_DTYPE = np.dtype(
     [("band_hz", "f8"), *((name + end, "f8") for name in FIGURES for end in ("", "_error"))]
@@ -166,7 +167,8 @@ def traced(
 class Response:
     """The sound of one source at one listener: figures, exact paths, echogram, impulse responses.
 
-    A response is plain data. It can be pickled, copied, and used on any thread.
+    :func:`response` and :func:`responses` return it. A response is plain data. It can be pickled, copied, and used on
+    any thread.
 
     Attributes
     ----------
@@ -187,8 +189,24 @@ class Response:
     gaps : list of str or None
         Why figures of a band are missing, for all eight bands; None if all decay times are there: ``"nothing arrives"``,
         ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"`` (more `waves`).
-    time_origin_s : float
-        Time origin of the figures in s after the source's impulse; NaN if nothing arrives.
+    time_origin_s, time_origin_error_s : float
+        Time origin of the figures in s after the source's impulse, and its standard error; NaN if nothing arrives.
+    cut_off : numpy.ndarray, shape (8,)
+        Share, 0 to 1, of each band's energy that is estimated to arrive after the record; NaN if it cannot be estimated.
+    missed_early_share : float
+        Estimated share, 0 to 1, of exact paths that no wave found, in the energy of all paths; NaN if no wave found a
+        path.
+    left_out_share : float
+        Share, 0 to 1, of the energy in early arrivals whose exact paths were not searched for. The echogram contains
+        these arrivals.
+    search_left_out_share : float
+        Share, 0 to 1, of the directions that the search for paths over planes left out, because the scene has too many
+        surfaces.
+    followed_s : float or None
+        Time in s until which the waves were followed, if more than one in a thousand waves was given up before the end
+        of the record; the figures are valid until this time.
+    listener_view, listener_up : tuple of 3 floats
+        Unit vectors of the listener's view and of the direction above it, in the axes of the scene.
     """
 
     scene: str
@@ -280,7 +298,7 @@ class Response:
 
     @property
     def path_surfaces(self) -> List[Tuple[str, ...]]:
-        """Names of the surfaces of each path of :attr:`paths`: ``("room/floor", "desk")``."""
+        """Names of the surfaces of each path of :attr:`paths`, for example ``("room/floor", "desk")``."""
         return [tuple(names) for names in self._heard.path_surfaces()]
 
     @property

@@ -16,7 +16,7 @@ Vector = Sequence[float]
 AnyPath = Union[str, "os.PathLike[str]"]
 
 WALLS = ("left", "right", "floor", "ceiling", "front", "back")
-"""The walls of a room: −x, +x, −y, +y, −z, +z in the axes of scene files; the front wall is ahead."""
+"""Names of the walls of a room at −x, +x, −y, +y, −z, +z in the axes of scene files; the front wall is ahead."""
 
 _LISTENER_RADIUS_M = 0.3
 """Default radius of a listener in metres; waves that cross this sphere are heard."""
@@ -309,7 +309,7 @@ class Scene:
 
     @property
     def scattering(self) -> PerBand:
-        """Share of the reflected energy that is scattered by materials that state none: one number or eight."""
+        """One number or eight, the share of the reflected energy that is scattered by materials that state none."""
         return self._scattering
 
     @scattering.setter
@@ -473,7 +473,7 @@ class Scene:
 
     @property
     def axes(self) -> str:
-        """The axes of this object: "echomarch" or "pyfar"."""
+        """The axes of this object, ``"echomarch"`` or ``"pyfar"``."""
         return self._axes
 
     @property
@@ -547,7 +547,7 @@ class Scene:
         )
 
     def pairs(self) -> List[Tuple["Scene", str, str]]:
-        """Return all pairs of a source and a listener, for :func:`responses`: ``(scene, source, listener)``."""
+        """Return all pairs of a source and a listener, ``(scene, source, listener)``, for :func:`responses`."""
         sources = [label for label, _ in self._raw.sources()]
         listeners = [label for label, _ in self._raw.listeners()]
         return [(self, source, listener) for source in sources for listener in listeners]

@@ -15,7 +15,7 @@ class Frame(NamedTuple):
     """The sound of one frame."""
 
     pan: float
-    """Balance: −1 left, 0 the middle, 1 right."""
+    """Balance, from −1 (left) over 0 (the middle) to 1 (right)."""
     left: float
     """Sum of the waves at the left ear."""
     right: float
