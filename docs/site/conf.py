@@ -6,6 +6,8 @@ import re
 import sys
 
 from pygments.lexers.rust import RustLexer
+from pygments.lexers.shell import BashLexer, BashSessionLexer
+from pygments.token import Name, Text
 
 project = "Echomarch"
 copyright = "the Echomarch authors"
@@ -50,6 +52,22 @@ html_show_sphinx = False
 _LINK = re.compile(r"(!?)\[([^\]\[]*)\]\(([^)\s#]+)(#[^)]*)?\)")
 
 
+class CommandLexer(BashLexer):
+    """Commands of a shell. Words with a hyphen are marked, so that lines are not broken within them (site.css)."""
+
+    def get_tokens_unprocessed(self, text):
+        for index, token, value in super().get_tokens_unprocessed(text):
+            if token is Text and "-" in value:
+                token = Name.Attribute if value.startswith("-") else Name.Other
+            yield index, token, value
+
+
+class SessionLexer(BashSessionLexer):
+    """Commands of a shell, with prompts."""
+
+    _innerLexerCls = CommandLexer
+
+
 def _with_links_of_the_site(app, docname, source):
     """Adapt links to the layout of the site.
 
@@ -76,4 +94,6 @@ def _with_links_of_the_site(app, docname, source):
 def setup(app):
     # Scene files are highlighted like Rust.
     app.add_lexer("ron", RustLexer)
+    app.add_lexer("sh", CommandLexer)
+    app.add_lexer("console", SessionLexer)
     app.connect("source-read", _with_links_of_the_site)
