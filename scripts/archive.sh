@@ -70,7 +70,7 @@ cp -R examples/scenes "$stage/$name/examples"
 if [[ "$target" == *-linux-gnu ]]; then
     sed "s/GLIBC/$(glibc "$program")/" packaging/INSTALL.md >"$stage/$name/INSTALL.md"
 else
-    grep -vE 'glibc|libasound' packaging/INSTALL.md >"$stage/$name/INSTALL.md"
+    sed '/^## On Linux$/,$d' packaging/INSTALL.md >"$stage/$name/INSTALL.md"
 fi
 pack "$stage" "$name" "$out/$name.tar.gz"
 say "$out/$name.tar.gz"

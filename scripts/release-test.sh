@@ -147,7 +147,7 @@ check_page_and_site() {
         [[ -s "$page/$file" && -s "$site/page/$file" ]] || fail "the page lacks $file"
     done
     [[ "$(head -c 4 "$page/pkg/echomarch_browser_bg.wasm" | od -An -tx1)" == " 00 61 73 6d" ]] || fail "no wasm"
-    for file in index python program listen docs/shadertoy docs/scene-format; do
+    for file in index python python-api program listen docs/shadertoy docs/scene-format; do
         [[ -s "$site/$file.html" ]] || fail "the site lacks $file.html"
     done
     local sound

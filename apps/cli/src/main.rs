@@ -83,7 +83,7 @@ colonnade, cave, morphing-room, menger, glasshouse, or a file (.ron).";
 const FIRST_VISIT: &str = "\
 Echomarch traces sound through rooms and worlds of implicit surfaces. Three commands to try:
 
-  echomarch impulse shoebox                  reverberation and early echoes of a room
+  echomarch impulse shoebox                  echoes of an empty room whose walls reflect all sound
   echomarch render open-pillars -o out.wav   the sound on a walk between pillars
   echomarch view menger -o view.png          a world made of one formula
 
