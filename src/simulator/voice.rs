@@ -68,7 +68,7 @@ pub(super) struct Voice {
     frames: Vec<Frame>,
     length: usize,
     written: usize,
-    /// Number of frames up to the last one that belong to this sound, or are silent. Older ones are of a sound before.
+    /// Number of the latest frames that belong to this sound or are silent. Older frames belong to an earlier sound.
     own: usize,
     poles: Frame,
     lows: Frame,

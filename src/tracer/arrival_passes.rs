@@ -26,8 +26,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Relative excess of the distance for which waves are followed over the requested distance. The GPU sums distances in
-/// `f32`, which rounds by 6e-8 in each of at most 4,095 chunks. Arrivals beyond the requested distance are left out on
+/// Waves are followed farther than the requested distance, by this share of it. The GPU sums distances in `f32`, which
+/// rounds by 6e-8 in each of at most 4,095 chunks. Arrivals beyond the requested distance are left out on
 /// the CPU.
 const FARTHER: f64 = 3e-4;
 

@@ -150,8 +150,8 @@ fn scene_text(mesh: &Arc<TriangleMesh>, file: &Path, output: &Path) -> anyhow::R
 /// Number of points at which the air is looked for.
 const TRIES: u32 = 2_000;
 
-/// Two places in the air: the one farthest from all faces among some points, and one away from it. Beside a solid
-/// object, one in front of it and one beside it.
+/// Two places in the air. In a hollow mesh the first is the point, among [`TRIES`] points, that is farthest from all
+/// faces, and the second is far from the first. Outside a solid object, one is in front of it and one beside it.
 fn places(mesh: &Arc<TriangleMesh>) -> [Vec3; 2] {
     let Bounds3 { min, max } = mesh.bounds();
     let (middle, size) = (0.5 * (min + max), max - min);

@@ -95,15 +95,23 @@ const RENAMED: &[(&str, &str, &str)] = &[
     (
         "slice",
         "height",
-        "--cut-height is the height of the cut in metres, --image-width the picture's in pixels",
+        "--cut-height is the height of the cut in metres, --image-width the width of the picture in pixels",
     ),
-    ("slice", "width", "--image-width is the picture's in pixels"),
+    (
+        "slice",
+        "width",
+        "--image-width is the width of the picture in pixels",
+    ),
     (
         "view",
         "height",
-        "--image-height is the picture's in pixels",
+        "--image-height is the height of the picture in pixels",
     ),
-    ("view", "width", "--image-width is the picture's in pixels"),
+    (
+        "view",
+        "width",
+        "--image-width is the width of the picture in pixels",
+    ),
 ];
 
 fn always(_: &ArgMatches) -> bool {

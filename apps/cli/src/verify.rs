@@ -11,7 +11,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch verify                           every hard case, as a table
   echomarch verify --case convex-vertex --case grazing-89.99
-  echomarch verify --case sinai              all whose name begins with that
+  echomarch verify --case sinai              all cases whose names begin with sinai
   echomarch verify --json > verify.json
 
 Exit code: 0 if hybrid and march pass every case, else 1. The thesis' profile fails many,

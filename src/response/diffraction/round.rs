@@ -53,8 +53,8 @@ const NEAR_ZERO: [(f64, f64); 7] = [
     (7.045_774_22e-4, 2.534_4e-4),
 ];
 
-/// Turn ξ beyond which only creeping modes count: the optical part, which should cancel there, has an error as large as
-/// the modes.
+/// Turn ξ beyond which only creeping modes count. The optical part should be 0 there, but its error is as large as the
+/// modes.
 const OPTICAL_UNTIL: f64 = 4.0;
 
 /// A way along a curved surface.

@@ -20,9 +20,9 @@ const RAISED: f64 = 1.25;
 /// are one contact: a leg that dips into a smooth solid by the error is in it for a length that grows with the root.
 const APART: f64 = 0.1;
 
-/// Height of the point where the legs meet over two contacts, as a share of the distance between the ends, up to which both
-/// are one contact. The profile between them begins 4e-8 of the distance above them, and would show a part of a rounding
-/// alone.
+/// Maximum height, as a share of the distance between the ends, of the point where the legs over two contacts meet, if
+/// both are one contact. The profile between them begins 4e-8 of the distance above them, so that lower points would only
+/// show rounding.
 const ONE_CONTACT: f64 = 1e-6;
 
 /// Greatest distance between two contacts that can be one, as a share of the distance between the ends.

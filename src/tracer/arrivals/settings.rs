@@ -112,7 +112,7 @@ pub(crate) struct Start {
     /// Direction of the wave: a unit vector in world axes.
     pub direction: Vec3,
     /// Importance weight: the density of uniform directions divided by the density with which this direction was drawn.
-    /// The mean weight is 1, or a factor common to all waves.
+    /// The mean of all weights is 1, unless all have a common factor.
     pub weight: f32,
 }
 

@@ -12,8 +12,8 @@ const TOLERANCE: f32 = 0.01;
 /// than for a growth, because a second derivative varies more between samples.
 const MARGIN: f32 = 1.05;
 
-/// The rounding error of a second difference, in multiples of that of a difference. A second difference has the weights
-/// 1, 2 and 1.
+/// The rounding error of a second difference (weights 1, 2 and 1) divided by the rounding error of a first difference
+/// (weights 1 and 1).
 const WEIGHT: f32 = 2.0;
 
 /// Intervals on a line on which the check looks for an edge.

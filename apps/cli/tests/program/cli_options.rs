@@ -61,7 +61,7 @@ fn heights_in_pixels_and_in_metres_have_names_of_their_own() {
     );
     refuse(
         &["view", "corner", "-o", picture, "--height", "200"],
-        "--image-height is the picture's in pixels",
+        "--image-height is the height of the picture in pixels",
     );
     let help = succeed(&["view", "--help"]);
     assert!(!stdout(&help).contains(" --height"));

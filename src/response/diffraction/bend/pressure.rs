@@ -11,12 +11,12 @@ use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Radius of curvature, as a share of the distance at which faces are perceived, up to which a rounding is an edge, and
-/// from which creeping waves follow it.
+/// Radii of curvature, as shares of the distance at which faces are perceived. Up to the first a rounding counts as an
+/// edge. From the second on creeping waves follow it.
 const SMALL: [f64; 2] = [0.25, 1.0];
 
-/// Growth of the angle between the faces over a doubled distance, as a share of the angle by which they turn, up to which
-/// a rounding is an edge, and from which creeping waves follow it: 0 at an edge, a half on a ball.
+/// Growth of the angle between the faces if the distance is doubled, as a share of the angle by which they turn: 0 at an
+/// edge, a half on a ball. Up to the first number a rounding counts as an edge. From the second on creeping waves follow it.
 const FLAT: [f64; 2] = [0.1, 0.3];
 
 /// Distance between two edges, times the wave number, at which they count half as two.
