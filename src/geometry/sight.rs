@@ -371,8 +371,8 @@ mod tests {
     /// Depth in the solid, as a share of the line's length, of a part that a line of sight may miss.
     const MISSED: f64 = 1e-9;
 
-    /// Lines that start at random points in the air. Every second line is aimed at a point near the surface, the others at
-    /// random points.
+    /// Lines that start at random points in the air. Every second line is aimed at a point near the surface, the others
+    /// at random points.
     fn lines(entry: &Entry, random: &mut Random) -> Vec<(DVec3, DVec3)> {
         let mut place = || 2.0 * entry.reach() * random.unit() * random.direction();
         let places: Vec<DVec3> = std::iter::repeat_with(&mut place).take(400).collect();

@@ -1,8 +1,9 @@
 //! The materials of a scene as numbers, for shaders and for the replay of waves on the CPU.
 //!
 //! A reflection is an *event* with a number. Number 0 is a reflection without loss or scattering. Each distinct
-//! material has a number for mirrored waves, and each material that scatters has a second number for scattered waves. A wave carries no energies: the shader records the events, and the CPU multiplies their effects on the energy
-//! in `f64`.
+//! material has a number for mirrored waves, and each material that scatters has a second number for scattered waves. A
+//! wave carries no energies: the shader records the events, and the CPU multiplies their effects on the energy in
+//! `f64`.
 //!
 //! For each surface the shader reads one float. Its whole part is the event, and its fraction is half the scattered
 //! share, which is common to all bands that are traced together. If these bands scatter by different shares, the mean

@@ -54,8 +54,8 @@ const UNKNOWN: f64 = 0.5;
 /// Greatest relative error of an energy: 10 dB.
 const MOST_ERROR: f64 = 0.9;
 
-/// Earlier traces keep a share of their weight. In the late part they keep this power of that share, so that they count for
-/// longer.
+/// Earlier traces keep a share of their weight. In the late part they keep this power of that share, so that they count
+/// for longer.
 const FAR_FORGETS: f64 = 0.25;
 
 /// Least error of a level in decibels.

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "\
 Examples:
   echomarch study map.ron --count                  how many points, how long, how large
-  echomarch study map.ron -o out                   all points, here; run again, it computes what is missing
+  echomarch study map.ron -o out                   all points; run again for missing ones
   echomarch study map.ron -o out --jobs 8          in eight processes
   echomarch study map.ron -o out --shard 3/16      one part, anywhere
   echomarch study map.ron -o out --join            the parts put together: CSV and Parquet

@@ -110,8 +110,8 @@ impl Basin {
         beside.iter().all(|index| detours[*index].is_some())
     }
 
-    /// Angle between the shortest half-plane and an azimuth. The azimuth is in radians; the result is in units of the angle
-    /// between neighbouring half-planes.
+    /// Angle between the shortest half-plane and an azimuth. The azimuth is in radians; the result is in units of the
+    /// angle between neighbouring half-planes.
     pub fn turns_from(&self, azimuth: f64) -> f64 {
         let turns = azimuth / STEP - self.shortest as f64;
         let whole = HALF_PLANES as f64;

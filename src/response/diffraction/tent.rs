@@ -21,8 +21,8 @@ const RAISED: f64 = 1.25;
 const APART: f64 = 0.1;
 
 /// Maximum height, as a share of the distance between the ends, of the point where the legs over two contacts meet, if
-/// both are one contact. The profile between them begins 4e-8 of the distance above them, so that lower points would only
-/// show rounding.
+/// both are one contact. The profile between them begins 4e-8 of the distance above them, so that lower points would
+/// only show rounding.
 const ONE_CONTACT: f64 = 1e-6;
 
 /// Greatest distance between two contacts that can be one, as a share of the distance between the ends.

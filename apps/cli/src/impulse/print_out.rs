@@ -310,8 +310,8 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// The words for a diffracted path. It is reflected at the surfaces with the indices `reflections`, and bends around the
-/// others.
+/// The words for a diffracted path. It is reflected at the surfaces with the indices `reflections`, and bends around
+/// the others.
 fn diffracted(surfaces: &[String], reflections: &[usize]) -> String {
     let all = surfaces.iter().enumerate();
     let (reflecting, bending): (Vec<_>, Vec<_>) =

@@ -18,8 +18,8 @@ use std::time::Instant;
 /// Limit of the gain in decibels, positive or negative. The range contains every gain that is useful in practice.
 const MOST_GAIN_DB: f64 = 120.0;
 
-/// Number of waves of each response in a scene that moves. The level in a quarter of a second differs by 0.1 to 0.3 dB (rms) from
-/// that with 65,536 waves (docs/audio.md).
+/// Number of waves of each response in a scene that moves. The level in a quarter of a second differs by 0.1 to 0.3 dB
+/// (rms) from that with 65,536 waves (docs/audio.md).
 const MOVING_WAVES: u32 = 8192;
 
 /// The minimum length of a response, in seconds.

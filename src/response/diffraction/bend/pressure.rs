@@ -15,8 +15,9 @@ use std::f64::consts::PI;
 /// edge. From the second on creeping waves follow it.
 const SMALL: [f64; 2] = [0.25, 1.0];
 
-/// Growth of the angle between the faces if the distance is doubled, as a share of the angle by which they turn: 0 at an
-/// edge, a half on a ball. Up to the first number a rounding counts as an edge. From the second on creeping waves follow it.
+/// Growth of the angle between the faces if the distance is doubled, as a share of the angle by which they turn: 0 at
+/// an edge, a half on a ball. Up to the first number a rounding counts as an edge. From the second on creeping waves
+/// follow it.
 const FLAT: [f64; 2] = [0.1, 0.3];
 
 /// Distance between two edges, times the wave number, at which they count half as two.
