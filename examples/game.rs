@@ -61,7 +61,7 @@ fn house(simulator: &mut Simulator) -> Result<House, Error> {
     })
 }
 
-/// Where source `number` of `count` is at a time: on a circle in one of the rooms.
+/// Position of source `number` of `count` at a time: on a circle in one of the rooms.
 fn on_circle(number: usize, count: usize, seconds: f64) -> Pose {
     let room = (number % 3) as f32 * 6.0 - 6.0;
     let turn = (seconds * 0.8) as f32 + number as f32 / count as f32 * std::f32::consts::TAU;
@@ -119,7 +119,7 @@ fn processor_ms() -> f64 {
     1e3 * BEGAN.elapsed().as_secs_f64()
 }
 
-/// Mixes in real time until told to stop, and returns the times of its blocks.
+/// Mixes in real time until a stop is requested, and returns the times of its blocks.
 fn audio(mut mix: Mix, stop: Arc<AtomicBool>) -> JoinHandle<Times> {
     thread::spawn(move || {
         // The sounds of the game: one second of noise in a loop, whose begin is repeated at the end.

@@ -25,7 +25,7 @@ pub fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
-/// Appends the most similar known name to the message, or all known names if none is similar.
+/// Appends the most similar known name to the message, or all known names if no name is similar.
 pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {
         Some(nearest) => format!("{refused}; did you mean {nearest}?"),

@@ -104,7 +104,7 @@ def double_layer(k, points, surface):
     distance = abs(away)
     apart = np.where(distance == 0, 1, distance)
     across = (away * surface.normals.conjugate()).real / apart
-    # On a side the factor is exactly 0, but for rounding.
+    # On a side the factor is exactly 0, except for rounding.
     across[abs(across) < 1e-9] = 0
     kernel = -0.25j * k * hankel1(1, k * apart) * across
     kernel = np.where(distance == 0, -surface.curvatures / (4 * np.pi), kernel)

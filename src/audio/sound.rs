@@ -114,8 +114,8 @@ impl Sound {
         self.signal.length()
     }
 
-    /// Whether the sound has ended, so that only silence follows. Of the built-in sounds, only a clip that does not
-    /// loop ends.
+    /// Whether the sound has ended, so that only silence follows. A clip that does not loop ends; all other
+    /// built-in sounds are endless.
     pub fn is_finished(&self) -> bool {
         self.signal.is_finished()
     }

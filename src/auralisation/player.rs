@@ -252,7 +252,7 @@ impl PlayerRemote {
     ///
     /// # Errors
     /// [`ResponseError::NoSuchSource`], [`ResponseError::OtherSpec`] if `heard` was made for another player, and
-    /// [`ResponseError::BadNumber`] for seconds that are negative or NaN. After an error nothing has changed.
+    /// [`ResponseError::BadNumber`] for seconds that are negative or NaN. An error changes nothing.
     pub fn hear(
         &mut self,
         source: usize,

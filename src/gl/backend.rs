@@ -47,7 +47,7 @@ pub(super) trait Backend {
     /// Address of a GL function, or null if the library lacks it.
     fn proc_address(&self, name: &CStr) -> *const c_void;
 
-    /// Who made the context, and who makes it current.
+    /// The owner of the context: its maker, and whether the maker keeps it current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn owner(&self) -> Owner {
         Owner::Echomarch

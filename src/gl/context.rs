@@ -418,7 +418,7 @@ impl Drop for CallersEntered {
 
 impl Context {
     /// Makes the context current until the result is dropped, which restores the EGL context that was current on this
-    /// thread before. If none was current the context stays current, unless it is the caller's. The state of a caller's
+    /// thread before. Without such a context this one stays current, unless it is the caller's. The state of a caller's
     /// context is saved and restored.
     ///
     /// # Errors

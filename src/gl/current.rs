@@ -96,8 +96,8 @@ enum Then {
     },
 }
 
-/// Makes the context current, and restores the previously current context when the result is dropped. If none was
-/// current, echomarch's own context stays current, and a caller's does not.
+/// Makes the context current, and restores the previously current context when the result is dropped. Without
+/// a previous context, echomarch's own context stays current, and a caller's does not.
 ///
 /// # Errors
 /// The errors of [`make`].

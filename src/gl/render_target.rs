@@ -301,7 +301,7 @@ pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
             "GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT".into()
         }
         glow::FRAMEBUFFER_UNSUPPORTED => "GL_FRAMEBUFFER_UNSUPPORTED".into(),
-        // Zero is no status: GL reported an error, or no context is current.
+        // Zero is not a status: GL reported an error, or no context is current.
         0 => {
             context.check("a framebuffer")?;
             "GL gives no status".into()

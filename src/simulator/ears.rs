@@ -1,4 +1,4 @@
-//! What a game's audio callback calls: the sound of sources as the listener hears them.
+//! The functions for a game's audio callback: the sound of sources as the listener hears them.
 
 use super::encoder::{Encoder, MOST_CHANNELS, Planes};
 use super::fit::{CHUNK, EARS};
@@ -151,8 +151,8 @@ impl Slot {
 /// The sound of all sources as the listener hears them. Made by [`Simulator::mix`](super::Simulator::mix).
 ///
 /// A source is silent before its first trace, then fades in. Direct ways and echoes are taps of a delay line; the late
-/// part of all sources passes one network of delay lines, which decays like the mean of all sources. Nothing waits, and
-/// nothing is allocated or freed, so that it may run in an audio callback.
+/// part of all sources passes one network of delay lines, which decays like the mean of all sources. It neither
+/// waits, allocates nor frees, so that it may run in an audio callback.
 pub struct Mix {
     inbox: Consumer<Box<Message>>,
     outbox: Producer<Box<Message>>,

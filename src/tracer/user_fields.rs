@@ -14,9 +14,9 @@
 //! Waves are in the air, where the value is positive. A step of a march that is proven to be free never passes a
 //! surface. A relaxed step may end in the solid and is then taken back, for every negative value (a value that is not
 //! finite counts as solid, see `glsl/user/value.glsl`). Gradients from differences reach a little into the solid, by at
-//! most [`DEPTH`]. The field is therefore checked in the air and in the solid to that depth. A steep place, a jump, or
-//! a value that is not finite is no reason for rejection deeper in the solid. If the field is under an operator whose
-//! air includes solid of the field ([`WaveDomain::BothSides`]), the whole box is checked.
+//! most [`DEPTH`]. The field is therefore checked in the air and in the solid to that depth. Deeper in the solid, steep
+//! places, jumps and values that are not finite are accepted. If the field is under an operator whose air includes
+//! solid of the field ([`WaveDomain::BothSides`]), the whole box is checked.
 //!
 //! # Cost
 //! The check runs once for each context and field. It takes one short program and about 500,000 evaluations. A field

@@ -89,7 +89,7 @@ impl Visit {
     /// source, the time and changed values stay.
     ///
     /// # Errors
-    /// The errors of [`Tracer::check`], and shader errors of the picture. After an error nothing has changed.
+    /// The errors of [`Tracer::check`], and shader errors of the picture. An error changes nothing.
     pub fn set_scene(&mut self, scene: Scene) -> Result<(), Error> {
         if scene.name != self.world.name {
             return self.open_scene(scene);
@@ -103,7 +103,7 @@ impl Visit {
     /// Opens a scene in its initial state, even if the current scene has the same name.
     ///
     /// # Errors
-    /// The errors of [`set_scene`](Visit::set_scene). After an error nothing has changed.
+    /// The errors of [`set_scene`](Visit::set_scene). An error changes nothing.
     pub fn open_scene(&mut self, scene: Scene) -> Result<(), Error> {
         self.check_scene(&scene)?;
         self.world = World::of(scene)?;
@@ -129,7 +129,7 @@ impl Visit {
     /// Sets the settings for tracing.
     ///
     /// # Errors
-    /// The errors of [`Tracer::check`] for the current scene. After an error nothing has changed.
+    /// The errors of [`Tracer::check`] for the current scene. An error changes nothing.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         self.tracer.check(&self.world.now, &settings)?;
         self.settings = settings;
@@ -210,7 +210,7 @@ impl Visit {
     /// Sets a named value, in the unit of its file.
     ///
     /// # Errors
-    /// The errors of [`Scene::set_value`] and [`Scene::check`]. After an error nothing has changed.
+    /// The errors of [`Scene::set_value`] and [`Scene::check`]. An error changes nothing.
     pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), Error> {
         Ok(self.world.set(name, value)?)
     }

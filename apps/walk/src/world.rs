@@ -125,7 +125,7 @@ impl World {
     /// value that the new scene rejects is reset to the value in the file.
     ///
     /// # Errors
-    /// The errors of [`World::of`]. After an error nothing has changed.
+    /// The errors of [`World::of`]. An error changes nothing.
     pub fn change(&mut self, base: Scene) -> Result<(), SceneError> {
         base.pair(0, 0)?;
         self.sliders = value_sliders(&base);
@@ -141,7 +141,7 @@ impl World {
     /// Sets a named value, in the unit of its file.
     ///
     /// # Errors
-    /// The errors of [`Scene::set_value`] and [`Scene::check`]. After an error nothing has changed.
+    /// The errors of [`Scene::set_value`] and [`Scene::check`]. An error changes nothing.
     pub fn set(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
         let mut scene = self.base.clone();
         scene.set_value(name, value)?;

@@ -40,7 +40,7 @@ impl Fields {
         self.wanted = Some((scene, settings.with_waves(waves)));
     }
 
-    /// Discards the cost, because the scene is no longer shown.
+    /// Discards the cost, because another scene is shown.
     pub fn forget(&mut self) {
         (self.cost, self.wanted) = (None, None);
         if let Some(measuring) = &self.measuring {

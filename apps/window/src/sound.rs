@@ -160,7 +160,7 @@ impl Speaker {
         {
             live.set_stereo(Some(ears.source(scene, &spec)));
         }
-        // Without the feature `audio`, nothing is played.
+        // Without the feature `audio`, the window is silent.
         let _ = (ears, scene, sound);
     }
 

@@ -251,7 +251,7 @@ impl Foreign {
     /// Leaves this thread without a current context.
     pub fn release(&self) {
         let none = std::ptr::null();
-        // SAFETY: the display is the current one; null surfaces and no context mean that none is current.
+        // SAFETY: the display is the current one; null surfaces and no context release the current context.
         unsafe {
             self.functions
                 .egl

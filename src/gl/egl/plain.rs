@@ -248,7 +248,7 @@ impl Backend for Plain {
 
     fn release(&self) {
         let (display, none) = (self.display, egl::NO_SURFACE);
-        // SAFETY: null surfaces and no context mean that none is current. If this fails, the context stays current
+        // SAFETY: null surfaces and no context release the current context. If this fails, the context stays current
         // until the next call replaces it.
         unsafe {
             self.functions

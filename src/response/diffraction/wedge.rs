@@ -232,7 +232,7 @@ impl SignumAtZero for f64 {
     }
 }
 
-/// Where the series gives way to the continued fraction: both have an error below 1e-9 there.
+/// Limit between the series and the continued fraction: both have an error below 1e-9 there.
 const SERIES_UNTIL: f64 = 3.0;
 
 /// The pressure behind the edge of a thin screen, ½ W(√(kδ)), relative to the phase of the way over the edge. `phase` is kδ

@@ -146,7 +146,7 @@ pub struct ArrivalCounts {
     pub arrivals: u64,
     /// Waves that hit no further surface, or never started because the source is in a solid.
     pub gone: u64,
-    /// Waves that were no longer followed because a march reached the step limit.
+    /// Waves that were given up because a march reached the step limit.
     pub step_limit_reached: u64,
     /// Waves that flew the requested distance. In a response, also waves whose energy became inaudible.
     pub flown: u64,

@@ -89,8 +89,8 @@ fn thin_bodies_leave_the_free_field() {
     }
 }
 
-/// Close to a round body much larger than the distances, the field is that above a plane, but for a term that falls as
-/// one over the radius.
+/// Close to a round body much larger than the distances, the field is that above a plane, except for a term that falls
+/// as one over the radius.
 #[test]
 fn large_bodies_are_planes() {
     const RADIUS: f64 = 20.0;

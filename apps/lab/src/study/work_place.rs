@@ -13,8 +13,8 @@ use std::path::Path;
 /// Maximum number of attempts to open a file that another process repeatedly creates and removes.
 const MOST_TRIES: u32 = 10;
 
-/// Opens or creates a working file. Fails if another process has locked the file. On a file system without locks, there
-/// is no protection against other processes.
+/// Opens or creates a working file. Fails if another process has locked the file. On a file system without locks, the
+/// file is not protected from other processes.
 pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     let failed = |source| StudyError::output(path, source);
     let file = opened(path).map_err(failed)?;

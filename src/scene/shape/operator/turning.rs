@@ -14,7 +14,7 @@ struct Turning {
     pub axis: usize,
     /// Rate of the rotation in radians per metre.
     pub rate: f64,
-    /// The stated Lipschitz constant; 0 if none is stated.
+    /// The stated Lipschitz constant; 0 if it is not stated.
     pub stated: f64,
 }
 
@@ -22,7 +22,7 @@ struct Turning {
 /// smallest is 1, because the constant of a rotation is never smaller.
 const LARGEST_LIPSCHITZ: f32 = 1e6;
 
-/// Rejects a stated Lipschitz constant that is out of range; 0 means that none is stated.
+/// Rejects a stated Lipschitz constant that is out of range; 0 means that it is not stated.
 ///
 /// # Errors
 /// A message that states the valid range.
@@ -116,7 +116,7 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
     }
 }
 
-/// Reads a stated Lipschitz constant; 0 if none is stated.
+/// Reads a stated Lipschitz constant; 0 if it is not stated.
 fn stated<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     let stated = Option::<Lipschitz>::deserialize(from)?;
     Ok(stated.map_or(0.0, |stated| stated.0))
