@@ -8,15 +8,16 @@ use serde::{Deserialize, Serialize};
 /// The accuracy of a response's figures, and the limits of the effort for it.
 ///
 /// Waves are traced in rounds. Each round has as many waves as the errors of the round before require. The last round
-/// is the result, and it equals a response with the same number of late waves
-/// ([`late_waves`](super::ResponseSettings::late_waves)).
+/// is the result. Where surfaces scatter, a part of the waves ends after the first sixth of the record
+/// ([`onset_waves`](super::Response::onset_waves)). Otherwise the result equals a response with the same number of late
+/// waves ([`late_waves`](super::ResponseSettings::late_waves)).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Accuracy {
     /// The standard error of EDT, T20 and T30 as a share of the time, 0.001 to 0.05: 0.02 by default. The standard
     /// errors of the other figures are in proportion to the just noticeable differences: 0.2 dB for C50, C80 and G,
-    /// 0.01 for D50 and 2 ms for Ts with 0.02.
+    /// 0.01 for D50, and 2 ms or 2 % for Ts, whichever is more, with 0.02.
     pub share: f64,
     /// Maximum number of waves. By default their number times the iterations is at most 100 million, which takes about
     /// 10 s in a room without users' fields on two cores.
@@ -40,9 +41,6 @@ impl Default for Accuracy {
 /// The range of [`Accuracy::share`]. Errors common to all waves exceed the lower limit in many rooms, and the upper
 /// limit is just noticeable.
 const SHARES: std::ops::RangeInclusive<f64> = 0.001..=0.05;
-
-/// Number of waves of the first round. In rooms its errors predict the number of waves that the accuracy takes.
-pub(super) const FIRST_WAVES: u32 = 1 << 14;
 
 /// Maximum product of waves and iterations in a round. Closed-form rooms take about 10 million per second on two cores.
 const MOST_FLIGHTS: u64 = 100_000_000;
@@ -97,10 +95,15 @@ impl Accuracy {
         }
     }
 
-    /// The maximum number of waves that fly this number of iterations.
-    pub(super) fn most_waves(&self, iterations: u32) -> u32 {
+    /// The maximum number of waves, however far they fly.
+    pub(super) fn most_waves_asked(&self) -> u32 {
+        self.most_waves.unwrap_or(Settings::MAX_WAVES)
+    }
+
+    /// The maximum number of waves that fly this number of iterations: at least `least` without a limit of waves.
+    pub(super) fn most_waves(&self, iterations: u32, least: u32) -> u32 {
         let by_flights = MOST_FLIGHTS / u64::from(iterations.max(1));
-        let by_flights = by_flights.clamp(FIRST_WAVES.into(), Settings::MAX_WAVES.into());
+        let by_flights = by_flights.clamp(least.into(), Settings::MAX_WAVES.into());
         self.most_waves.unwrap_or(by_flights as u32)
     }
 }

@@ -6,7 +6,7 @@ use super::{Arrival, ImpulseSettings, ResponseSettings, transmission};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::{IntoPair, Pair};
-use crate::shader;
+use crate::shader::{self, Materials};
 use crate::tracer::{
     ArrivalCounts, ArrivalSettings, Detector, SolidHit, Tracer, Transmitting, WavesToFollow,
 };
@@ -15,6 +15,10 @@ use std::cell::RefCell;
 /// Number of waves for the estimate of the decay. Their energies determine the end of the decay, and a thousand waves
 /// give its time to within some per cent.
 const WAVES: u32 = 4096;
+
+/// Number of waves in bands that surfaces scatter. Waves are resampled there, and their number stays the same along the
+/// decay.
+const WAVES_SCATTERED: u32 = WAVES / 4;
 
 /// Number of waves if most waves leave the scene and few arrive late, as outdoors. A wave that leaves the scene takes
 /// almost no time.
@@ -150,12 +154,20 @@ impl Decay {
             let seconds = arrival.length_m / medium.speed;
             decays.borrow_mut()[arrival.detector as usize].add(seconds, &energy);
         };
-        let trace = settings.trace.clone().with_waves(waves);
         let how = ArrivalSettings::new(settings.longest_s).with_least_energy(LEAST_ENERGY);
-        let all = WavesToFollow::Numbers(0..waves);
         let mut counts = ArrivalCounts::of_none();
         for bands in shader::band_groups(pair.scene) {
-            let how = how.clone().with_bands(bands);
+            let is_scattered = Materials::of(pair.scene, bands.clone()).scatter();
+            let waves = match is_scattered && waves == WAVES {
+                true => WAVES_SCATTERED,
+                false => waves,
+            };
+            let trace = settings.trace.clone().with_waves(waves);
+            let all = WavesToFollow::Numbers(0..waves);
+            let how = ArrivalSettings {
+                resamples: true,
+                ..how.clone().with_bands(bands)
+            };
             let (mut take, mut passed) = (add, add);
             let passing = solids.is_some().then_some(Transmitting {
                 through: &through,

@@ -246,6 +246,37 @@ impl Echogram {
         bands::add(&mut self.beyond, &scaled(&other.beyond));
     }
 
+    /// Scales the energies of the bins before `until` by `shares` in each band, and adds those of another echogram with
+    /// the same bins and batches.
+    pub(crate) fn refine_before(&mut self, until: usize, shares: &Bands, other: &Echogram) {
+        debug_assert!(
+            (self.first_s, self.bin_s, self.batches) == (other.first_s, other.bin_s, other.batches)
+        );
+        let until = until.min(self.bins().max(other.bins()));
+        self.grow(until);
+        let refine = |own: &mut Bands, other: Option<&Bands>, power: i32| {
+            for band in 0..BAND_COUNT {
+                own[band] = own[band] * shares[band].powi(power) + other.map_or(0.0, |of| of[band]);
+            }
+        };
+        for index in 0..until * self.batches {
+            refine(&mut self.energies[index], other.energies.get(index), 1);
+        }
+        for bin in 0..until {
+            refine(&mut self.squares[bin], other.squares.get(bin), 2);
+            for (band, flow) in self.flows[bin].iter_mut().enumerate() {
+                let added = other.flows.get(bin).map_or(DVec3::ZERO, |of| of[band]);
+                *flow = *flow * shares[band] + added;
+            }
+        }
+    }
+
+    /// Number of bins that end at this time in seconds, or earlier.
+    pub(crate) fn bins_before(&self, seconds: f64) -> usize {
+        let bins = (seconds - self.first_s) / self.bin_s;
+        bins.clamp(0.0, MAX_BINS as f64) as usize
+    }
+
     /// Allocates `bins` bins.
     fn grow(&mut self, bins: usize) {
         if bins <= self.flows.len() {
@@ -466,6 +497,35 @@ mod tests {
             .add(0, 0.105, &[1e6; BAND_COUNT], DVec3::X)
             .unwrap();
         assert!((echogram.effective_arrivals(3, 0.0) - 1.0).abs() < 1e-3);
+    }
+
+    /// Protects refined bins: the earlier bins hold the weighted sum of both echograms, the later bins stay.
+    #[test]
+    fn only_earlier_bins_are_refined() {
+        let mut echogram = Echogram::new(1e-3, 2).expect("a good bin");
+        let mut other = echogram.clone();
+        let add = |to: &mut Echogram, bin: usize, energy: f64| {
+            let seconds = (bin as f64 + 0.5) * 1e-3;
+            to.add(1, seconds, &[energy; BAND_COUNT], DVec3::X).unwrap();
+        };
+        for bin in [1, 4] {
+            add(&mut echogram, bin, 4.0);
+            add(&mut other, bin, 1.0);
+        }
+        add(&mut other, 2, 3.0);
+        let mut shares = [0.5; BAND_COUNT];
+        shares[7] = 1.0;
+        echogram.refine_before(echogram.bins_before(0.004), &shares, &other);
+        let energies = [0, 1, 2, 3, 4].map(|bin| echogram.energy(bin)[0]);
+        assert_eq!(energies, [0.0, 3.0, 3.0, 0.0, 4.0]);
+        assert_eq!(echogram.energy(1)[7], 5.0);
+        assert_eq!(echogram.flow(1)[0], DVec3::X * 3.0);
+        assert_eq!(echogram.squares[1][0], 4.0 + 1.0);
+        assert_eq!(echogram.batch_energy(1, 0)[0], 0.0);
+        assert_eq!(
+            (echogram.bins_before(-1.0), echogram.bins_before(1e9)),
+            (0, MAX_BINS)
+        );
     }
 
     /// Protects the refusal of invalid bins and batches.

@@ -105,6 +105,7 @@ pub(super) fn response(
             followed_s,
             counts,
             waves: settings.late_trace().waves,
+            onset_waves: settings.onset_waves(),
             milliseconds: 0.0,
             diffraction_milliseconds,
         }));
@@ -155,6 +156,7 @@ pub(super) fn response(
         followed_s,
         counts,
         waves: settings.late_trace().waves,
+        onset_waves: settings.onset_waves(),
         milliseconds: 0.0,
         diffraction_milliseconds,
     };

@@ -43,6 +43,7 @@ mod diffraction;
 mod duration;
 mod early_part;
 mod echogram;
+mod effort;
 mod error;
 mod exact_paths;
 mod figures;
@@ -144,6 +145,11 @@ pub struct Response {
     /// Number of waves for late arrivals, including pilot waves.
     #[serde(default)]
     pub waves: u32,
+    /// Number of waves of the first sixth of the record, at least its first 80 ms. With a requested accuracy it may exceed
+    /// `waves` where surfaces scatter, because the early figures take more waves than the late decay. Otherwise it is
+    /// `waves`.
+    #[serde(default)]
+    pub onset_waves: u32,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
     /// The part of `milliseconds` that diffraction took. It hardly depends on the number of waves. 0 without

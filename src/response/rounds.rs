@@ -1,28 +1,12 @@
 //! Rounds with more and more waves, until the errors of all figures have the requested accuracy.
 
-use super::accuracy::{Accuracy, FIRST_WAVES};
+use super::accuracy::Accuracy;
+use super::effort::Effort;
 use super::shared::Listeners;
 use super::{Response, ResponseSettings};
 use crate::error::Error;
 use crate::platform::Instant;
-use crate::scene::Pair;
 use crate::tracer::Tracer;
-
-/// Factor of the predicted number of waves. The errors of 16 batches are themselves uncertain by 18 %.
-const SPARE: f64 = 1.2;
-
-/// The least growth of a further round. With less growth many rounds would repeat most of their work.
-const LEAST_GROWTH: f64 = 1.5;
-
-/// The greatest growth of a further round. Errors of few waves do not predict more.
-const GREATEST_GROWTH: f64 = 4.0;
-
-/// Factor of the record's length if sound continues after its end.
-const LONGER: f64 = 1.5;
-
-/// The share of the energy beyond a record's end from which on a further round has a longer record. Ten times this
-/// share withholds figures.
-const MOST_CUT_OFF: f64 = 1e-3;
 
 /// Maximum number of rounds. A factor of 4 reaches the limit of waves in four rounds, and the record may grow.
 const MOST_ROUNDS: u32 = 6;
@@ -34,7 +18,7 @@ pub struct Round<'a> {
     pub responses: &'a [Response],
     /// Number of listeners whose responses are complete after this round.
     pub finished: usize,
-    /// Number of waves of the next round; `None` after the last round.
+    /// Number of waves of the next round, those that end after the onset included; `None` after the last round.
     pub next_waves: Option<u32>,
 }
 
@@ -50,17 +34,11 @@ pub(super) fn trace(
     let began = Instant::now();
     let mut last: Vec<Option<Response>> = vec![None; listeners.pairs().len()];
     let (mut open, mut open_indices) = (listeners.clone(), (0..last.len()).collect::<Vec<_>>());
-    let mut next = Effort {
-        waves: FIRST_WAVES.min(accuracy.most_waves.unwrap_or(FIRST_WAVES)),
-        seconds: settings.seconds_of_pairs(tracer, listeners.pairs())?,
-    };
+    let seconds = settings.seconds_of_pairs(tracer, listeners.pairs())?;
+    let mut next = Effort::first(listeners.pairs(), settings, accuracy, seconds);
     for round in 1.. {
-        let of_round = ResponseSettings {
-            accuracy: None,
-            seconds: Some(next.seconds),
-            ..settings.clone()
-        };
-        let mut responses = open.trace(tracer, &of_round.with_waves(next.waves), next.seconds)?;
+        let of_round = next.settings(open.pairs(), settings);
+        let mut responses = open.trace(tracer, &of_round, next.seconds)?;
         let elapsed_s = began.elapsed().as_secs_f64();
         for response in &mut responses {
             response.milliseconds = elapsed_s * 1e3;
@@ -78,7 +56,7 @@ pub(super) fn trace(
         observe(Round {
             responses: &responses,
             finished: further.iter().filter(|effort| effort.is_none()).count(),
-            next_waves: all.map(|effort| effort.waves),
+            next_waves: all.map(|effort| effort.onset_waves),
         });
         for (index, response) in open_indices.iter().zip(responses) {
             last[*index] = Some(response);
@@ -94,76 +72,4 @@ pub(super) fn trace(
     }
     // The first round has all listeners.
     Ok(last.into_iter().flatten().collect())
-}
-
-/// The waves of a round, and the length of its record.
-#[derive(Clone, Copy)]
-struct Effort {
-    waves: u32,
-    seconds: f64,
-}
-
-impl Effort {
-    /// The effort that serves both.
-    fn and(self, other: Effort) -> Effort {
-        Effort {
-            waves: self.waves.max(other.waves),
-            seconds: self.seconds.max(other.seconds),
-        }
-    }
-
-    /// The effort of the next round after a response of this effort; `None` if its figures are accurate, or if all
-    /// waves are spent.
-    fn further(
-        self,
-        response: &Response,
-        pair: Pair,
-        settings: &ResponseSettings,
-        accuracy: &Accuracy,
-    ) -> Option<Effort> {
-        let can_grow = settings.seconds.is_none() && decays(pair);
-        let longer_s = match can_grow && is_cut_off(response) {
-            true => (LONGER * self.seconds).min(settings.longest_s.max(self.seconds)),
-            false => self.seconds,
-        };
-        let most = accuracy.most_waves(response.counts.iterations);
-        let waves = more_waves(self.waves, response.figures.waves_for(accuracy.share), most)
-            .or((longer_s > self.seconds).then_some(self.waves))?;
-        Some(Effort {
-            waves,
-            seconds: longer_s,
-        })
-    }
-}
-
-/// Number of waves of the next round; `None` if the figures are accurate, or if all waves are spent.
-fn more_waves(waves: u32, factor: f64, most: u32) -> Option<u32> {
-    if factor <= 1.0 || waves >= most {
-        return None;
-    }
-    let growth = (SPARE * factor).clamp(LEAST_GROWTH, GREATEST_GROWTH);
-    let next = (f64::from(waves) * growth).min(f64::from(most)) as u32;
-    Some(next.max(waves + 1))
-}
-
-/// Whether sound decays in the scene.
-fn decays(pair: Pair) -> bool {
-    pair.scene.has_materials() || pair.scene.air.is_some()
-}
-
-/// Whether sound arrives after the record's end in any band.
-fn is_cut_off(response: &Response) -> bool {
-    let cut_off = response.figures.cut_off.iter();
-    let mut of_heard = cut_off.zip(response.energy()).filter(|(_, e)| *e > 0.0);
-    of_heard.any(|(share, _)| share.is_none_or(|share| share > MOST_CUT_OFF))
-}
-
-impl ResponseSettings {
-    /// These settings with this number of waves for late arrivals. The number of waves for exact paths is raised to it if
-    /// it is smaller.
-    fn with_waves(mut self, waves: u32) -> ResponseSettings {
-        self.late_waves = Some(waves);
-        self.trace.waves = self.trace.waves.max(waves);
-        self
-    }
 }

@@ -1,5 +1,6 @@
 //! Settings of responses.
 
+use super::late::Onset;
 use crate::error::Error;
 use crate::response::{Accuracy, Echogram, ImpulseSettings, ResponseError};
 use crate::scene::{Scene, Surface};
@@ -57,6 +58,9 @@ pub struct ResponseSettings {
     /// Whether the figures and their errors are left out, which takes most of the time of a trace with few waves.
     #[serde(skip)]
     pub(crate) omits_figures: bool,
+    /// More waves for the onset of the late arrivals.
+    #[serde(skip)]
+    pub(super) onset: Option<Onset>,
 }
 
 /// The fields of [`ResponseSettings`], all of them optional.
@@ -91,6 +95,7 @@ impl Default for SettingsFile {
             least_level_db,
             accuracy,
             omits_figures: _,
+            onset: _,
         } = ResponseSettings::default();
         SettingsFile {
             trace,
@@ -125,6 +130,7 @@ impl TryFrom<SettingsFile> for ResponseSettings {
             least_level_db: file.least_level_db,
             accuracy: file.accuracy,
             omits_figures: false,
+            onset: None,
         };
         settings.validate()?;
         Ok(settings)
@@ -154,6 +160,7 @@ impl Default for ResponseSettings {
             least_level_db: None,
             accuracy: None,
             omits_figures: false,
+            onset: None,
         }
     }
 }
@@ -255,6 +262,12 @@ impl ResponseSettings {
         let waves = self.trace.waves;
         let late = self.late_waves.map_or(waves, |late| late.min(waves));
         self.trace.clone().with_waves(late)
+    }
+
+    /// Number of waves of the onset.
+    pub(super) fn onset_waves(&self) -> u32 {
+        let of_onset = self.onset.map(|onset| onset.waves);
+        of_onset.unwrap_or_else(|| self.late_trace().waves)
     }
 
     /// The maximum order of exact paths in this scene.

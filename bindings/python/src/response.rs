@@ -397,6 +397,7 @@ impl Heard {
         about.set_item("speed_of_sound", self.speed_of_sound)?;
         about.set_item("seed", self.seed)?;
         about.set_item("waves", response.waves)?;
+        about.set_item("onset_waves", response.onset_waves)?;
         about.set_item("seconds", response.seconds)?;
         about.set_item("milliseconds", response.milliseconds)?;
         about.set_item("time_origin_s", or_nan(response.figures.begins_s))?;

@@ -24,6 +24,7 @@ mod uncertainty;
 
 pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
+pub(super) use precision::Demand;
 pub use precision::{Precision, Withheld};
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
@@ -219,7 +220,7 @@ impl Figures {
         let begins_s = start.seconds;
         let all = record.pieces(begins_s, energy);
         let (lists, decays_end_s, cut_off) = lists(&all, echogram.bin_s());
-        let halves = Halves::new(&record, direct_s);
+        let halves = Halves::new(&record, direct_s, usize::MAX);
         let has_batches = echogram.batches() > 1;
         for (band, list) in lists.iter().enumerate() {
             let arrivals = |after_s: f64| echogram.effective_arrivals(band, begins_s + after_s);

@@ -2,7 +2,7 @@
 //! precision takes.
 
 use super::uncertainty::{Halves, WORST_TIME_ERROR};
-use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, LEAST_ARRIVALS, List};
+use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, LEAST_ARRIVALS, List, Record};
 use crate::bands::BAND_COUNT;
 use crate::serialised::finite;
 use serde::{Deserialize, Serialize};
@@ -42,20 +42,67 @@ const UNKNOWN_NOISE: f64 = 4.0;
 /// reduce may use up the remainder.
 const LEAST_NOISE_SHARE: f64 = 0.5;
 
+/// What a figure of a band demands of the number of waves, as factors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::response) struct Demand {
+    /// The variance of the noise relative to the variance that the accuracy allows.
+    pub noise: f64,
+    /// The share of the variance that the arrivals of the onset cause, 0 … 1.
+    pub onset_share: f64,
+    /// The factor until the figure is reported; 0 if it is.
+    pub least: f64,
+}
+
+impl Demand {
+    /// Whether the demand is not fulfilled.
+    pub fn is_open(&self) -> bool {
+        self.factor() > 1.0
+    }
+
+    /// The factor of all waves that fulfils the demand. 0 if no number of waves does.
+    pub fn factor(&self) -> f64 {
+        match self.least.is_finite() {
+            true => self.least.max(self.noise),
+            false => 0.0,
+        }
+    }
+
+    /// The factor of the waves of the onset that fulfils the demand, if the number of waves that are followed to the end
+    /// grows by `followed`. Infinite if no number does.
+    pub fn onset_factor(&self, followed: f64) -> f64 {
+        if !self.is_open() {
+            return 0.0;
+        }
+        let late = (1.0 - self.onset_share) * self.noise / followed;
+        match self.least <= followed && late < 1.0 {
+            true => self.onset_share * self.noise / (1.0 - late),
+            false => f64::INFINITY,
+        }
+    }
+}
+
 impl Figures {
     /// Minimum number of arrivals of equal energy after the end of a reported decay.
     pub const LEAST_ARRIVALS: f64 = LEAST_ARRIVALS;
 
     /// The standard error that corresponds to an accuracy, a share of decay times, for the figure at this place in
     /// [`BandFigures::NAMES`] and with this value, in the figure's unit. Just noticeable differences (ISO 3382-1, annex
-    /// A) are in proportion: for 2 % these are 2 % of a decay time, 0.2 dB, 0.01 for D50 and 2 ms for Ts.
+    /// A) are in proportion: for 2 % these are 2 % of a decay time, 0.2 dB, 0.01 for D50 and 2 ms for Ts, or 2 % of Ts if
+    /// that is more.
     pub(super) fn tolerance(accuracy: f64, figure: usize, value: f64) -> f64 {
         /// Decibels, D50 and seconds per unit of accuracy.
         const DECIBELS: f64 = 10.0;
         const DEFINITION: f64 = 0.5;
         const CENTRE_S: f64 = 0.1;
         let units: [f64; FIGURE_COUNT] = [
-            value, value, value, DECIBELS, DECIBELS, DEFINITION, CENTRE_S, DECIBELS,
+            value,
+            value,
+            value,
+            DECIBELS,
+            DECIBELS,
+            DEFINITION,
+            CENTRE_S.max(value),
+            DECIBELS,
         ];
         accuracy * units[figure]
     }
@@ -111,6 +158,48 @@ impl Figures {
     }
 
     fn factor_for(&self, accuracy: f64, band: usize, figure: usize) -> Option<f64> {
+        let demand = self.demand(accuracy, band, figure)?;
+        Some(demand.least.max(demand.noise))
+    }
+
+    /// What each defined figure demands of the number of waves. `record` is that of the figures, and `onset_s` the end of
+    /// its onset in seconds after the source's impulse; without it the onset has no share.
+    pub(in crate::response) fn demands(
+        &self,
+        accuracy: f64,
+        record: &Record,
+        direct_s: Option<f64>,
+        onset_s: Option<f64>,
+    ) -> Vec<Demand> {
+        let until = onset_s.map(|onset_s| record.echogram.bins_before(onset_s));
+        let of_onset = until.map(|until| Halves::new(record, direct_s, until));
+        let bands = (0..BAND_COUNT).flat_map(|band| (0..FIGURE_COUNT).map(move |of| (band, of)));
+        let demand = |(band, figure): (usize, usize)| {
+            let demand = self.demand(accuracy, band, figure)?;
+            let precision = &self.precision[band][figure];
+            let arrivals = record.echogram.effective_arrivals(band, self.begins_s?);
+            let part = |halves: &Halves| {
+                let noise = halves.noise(band, &precision_values(&self.precision[band]), arrivals);
+                let share = (noise[figure]? / precision.noise?).powi(2);
+                Some(share.clamp(0.0, 1.0)).filter(|share| share.is_finite())
+            };
+            let onset_share = of_onset.as_ref().and_then(part).unwrap_or(0.0);
+            Some(Demand {
+                onset_share,
+                ..demand
+            })
+        };
+        bands.filter_map(demand).collect()
+    }
+
+    fn demand(&self, accuracy: f64, band: usize, figure: usize) -> Option<Demand> {
+        let demand = |noise: f64, least: f64| {
+            Some(Demand {
+                noise,
+                onset_share: 0.0,
+                least,
+            })
+        };
         let precision = &self.precision[band][figure];
         let value = precision.value?;
         let least = self.waves_to_report(band, figure).unwrap_or(0.0);
@@ -118,14 +207,14 @@ impl Figures {
         let error = self.errors[band].list()[figure].unwrap_or(0.0);
         let noise = match precision.noise {
             Some(noise) => noise,
-            None if least > 0.0 => return Some(least),
+            None if least > 0.0 => return demand(0.0, least),
             // Without batches the noise is unknown.
             None => return None,
         };
         let other = (error.powi(2) - noise.powi(2)).max(0.0).sqrt();
         let left = (tolerance.powi(2) - other.powi(2)).max(0.0).sqrt();
         let left = left.max(LEAST_NOISE_SHARE * tolerance);
-        Some(least.max((noise / left).powi(2)))
+        demand((noise / left).powi(2), least)
     }
 
     /// The precision of all figures of a band.
@@ -172,4 +261,9 @@ impl Figures {
         };
         (told(|figure| figure.value), told(|figure| figure.noise))
     }
+}
+
+/// The values of all figures of a band.
+fn precision_values(precision: &[Precision; FIGURE_COUNT]) -> List {
+    std::array::from_fn(|figure| precision[figure].value)
 }

@@ -138,12 +138,17 @@ impl Halves {
     /// positive.
     ///
     /// Each half has a separate time origin, so that the errors include the uncertainty of the common origin.
-    pub fn new(record: &Record, direct_s: Option<f64>) -> Halves {
+    ///
+    /// Bins from `until` on are those of all batches, so that only the noise of earlier bins remains.
+    pub fn new(record: &Record, direct_s: Option<f64>, until: usize) -> Halves {
         let echogram = record.echogram;
         let batches = echogram.batches();
         let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
         let of = |(half, complement): (usize, bool)| {
             let energy = |bin: usize| {
+                if bin >= until {
+                    return echogram.energy(bin);
+                }
                 let mut sum = [0.0; BAND_COUNT];
                 for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
                     bands::add(&mut sum, &echogram.batch_energy(bin, batch));

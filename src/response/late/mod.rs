@@ -9,10 +9,12 @@
 
 mod importance;
 mod inner;
+mod onset;
 mod pilot;
 mod reach;
 mod sphere;
 
+pub(super) use onset::Onset;
 pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};
 
 use super::source_sound::Medium;
@@ -169,7 +171,8 @@ fn add_arrivals(
     let pair = heard[0].pair;
     let trace = settings.late_trace();
     let are_own = heard.iter().all(|one| !one.is_widened());
-    let (waves, mut near) = match are_own && trace == settings.trace {
+    let is_once = are_own && trace == settings.trace && settings.onset.is_none();
+    let (waves, mut near) = match is_once {
         true => (settings.trace.clone(), None),
         false => (trace, Some(NearListeners::none(heard, found))),
     };
@@ -207,6 +210,9 @@ fn add_arrivals(
         // These waves are also the waves of early arrivals, whose directions the settings determine.
         false => late.follow(&waves, &WavesToFollow::Numbers(0..waves.waves), None)?,
     };
+    if let Some(onset) = settings.onset {
+        late.refine(onset, &waves)?;
+    }
     if let Some(near) = near {
         for (near, found) in near.listeners.iter().zip(found) {
             near.add_to(&mut found.sums.echogram, &mut found.bias);
@@ -283,7 +289,7 @@ struct LateWaves<'a> {
 impl LateWaves<'_> {
     /// Traces all waves. The first waves, the pilot waves, decide whether the other waves start evenly.
     fn follow_all(
-        mut self,
+        &mut self,
         trace: &Settings,
         pilot_waves: u32,
         batches: usize,
@@ -314,7 +320,11 @@ impl LateWaves<'_> {
 
     /// Traces all waves. Their starts are drawn by the directivity of the source if the source radiates in a narrow
     /// lobe. Otherwise they are even.
-    fn follow_without_pilot(mut self, trace: &Settings, batches: usize) -> Result<Followed, Error> {
+    fn follow_without_pilot(
+        &mut self,
+        trace: &Settings,
+        batches: usize,
+    ) -> Result<Followed, Error> {
         let waves = trace.waves;
         let source = self.heard[0].pair.source;
         let Some(importance) = Importance::of_source(source, &self.how.bands, trace) else {
@@ -348,6 +358,38 @@ impl LateWaves<'_> {
         };
         self.follow(trace, &drawn, Some(&mut pilot))?;
         Ok(Importance::refined(&pilot, &directions))
+    }
+
+    /// Follows further waves through the onset, after the waves of these settings were followed to the end.
+    fn refine(&mut self, onset: Onset, trace: &Settings) -> Result<(), Error> {
+        let none = |(one, found): (&Heard, &Arrivals)| {
+            Arrivals::none(&one.late, found.sums.echogram.without_arrivals())
+        };
+        let mut found: Vec<Arrivals> = self.heard.iter().zip(self.found.iter()).map(none).collect();
+        let mut near = NearListeners::none(self.heard, &found).listeners;
+        let mut further = LateWaves {
+            tracer: &mut *self.tracer,
+            heard: self.heard,
+            detectors: self.detectors,
+            how: &onset.settings(self.heard, self.how),
+            solids: self.solids,
+            found: &mut found,
+            near: Some(&mut near),
+        };
+        let numbers = WavesToFollow::Numbers(trace.waves..onset.waves);
+        further.follow(&trace.clone().with_waves(onset.waves), &numbers, None)?;
+        let shares = onset.shares(trace.waves, &self.how.bands);
+        for (index, one) in self.heard.iter().enumerate() {
+            let sums = &mut self.found[index].sums;
+            let until = (sums.echogram).bins_before(one.medium.direct_s + onset.seconds);
+            sums.refine_before(until, &shares, &found[index].sums);
+            if let Some(own) = &mut self.near {
+                own[index]
+                    .wide
+                    .refine_before(until, &shares, &near[index].wide);
+            }
+        }
+        Ok(())
     }
 
     fn follow(
@@ -408,6 +450,15 @@ impl Heard<'_> {
 }
 
 impl Sums {
+    /// Refines the bins before `until` ([`Echogram::refine_before`]).
+    fn refine_before(&mut self, until: usize, shares: &Bands, other: &Sums) {
+        self.echogram.refine_before(until, shares, &other.echogram);
+        self.straight.refine_before(until, shares, &other.straight);
+        if let (Some(inner), Some(other)) = (&mut self.inner, &other.inner) {
+            inner.refine_before(until, shares, other);
+        }
+    }
+
     /// Adds a late arrival.
     fn add(&mut self, medium: &Medium, arrival: &Arrival) {
         medium.add(&mut self.echogram, arrival);

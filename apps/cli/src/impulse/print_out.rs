@@ -43,6 +43,8 @@ struct PairReport<'a> {
     listener: &'a str,
     /// Number of waves for late arrivals.
     waves: u32,
+    /// Number of waves for the first sixth of the record.
+    onset_waves: u32,
     seconds: f64,
     iterations: u32,
     milliseconds: f64,
@@ -155,6 +157,7 @@ fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
         source_pitch_deg: degrees(source.pitch),
         listener: &pair.listener,
         waves: response.waves,
+        onset_waves: response.onset_waves,
         seconds: response.seconds,
         iterations: response.counts.iterations,
         milliseconds: response.milliseconds,
@@ -225,6 +228,17 @@ struct BandRow {
     errors: BandFigures,
 }
 
+/// The numbers of waves of a response.
+fn waves(response: &Response) -> String {
+    match response.onset_waves > response.waves {
+        true => format!(
+            "{} waves ({} in the onset)",
+            response.waves, response.onset_waves
+        ),
+        false => format!("{} waves", response.waves),
+    }
+}
+
 /// Prints the figures as text.
 pub fn text(
     scene: &Scene,
@@ -233,11 +247,11 @@ pub fn text(
 ) -> anyhow::Result<()> {
     for (pair, response) in heard {
         print::line(&format!(
-            "{}: source {}, listener {}: {} waves, {} iterations, record {:.2} s, profile {}, seed {}",
+            "{}: source {}, listener {}: {}, {} iterations, record {:.2} s, profile {}, seed {}",
             scene.name,
             pair.source,
             pair.listener,
-            response.waves,
+            waves(response),
             response.counts.iterations,
             response.seconds,
             settings.trace.profile(),
