@@ -2,7 +2,6 @@
 
 use super::super::exit::BadInput;
 use super::super::numbers::{count, real};
-use super::missing;
 use clap::Args;
 use echomarch::response::{Accuracy, ResponseSettings, Round};
 use echomarch::tracer::Settings;
@@ -75,7 +74,7 @@ pub fn of_round(settings: &ResponseSettings, round: &Round) -> String {
     let figures = round.responses.iter().map(|response| &response.figures);
     let share = accuracy.share;
     let worst = figures.max_by(|a, b| a.waves_for(share).total_cmp(&b.waves_for(share)));
-    let open = worst.map_or_else(String::new, |worst| missing::inaccurate(worst, share));
+    let open = worst.map_or_else(String::new, |worst| worst.inaccurate(share));
     match open.is_empty() {
         true => format!("({next} waves)"),
         false => format!("({next} waves; open: {open})"),
