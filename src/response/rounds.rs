@@ -60,21 +60,26 @@ pub(super) fn trace(
             seconds: Some(next.seconds),
             ..settings.clone()
         };
+        let before_s = began.elapsed().as_secs_f64();
         let mut responses = open.trace(tracer, &of_round.with_waves(next.waves), next.seconds)?;
         let elapsed_s = began.elapsed().as_secs_f64();
         for response in &mut responses {
             response.milliseconds = elapsed_s * 1e3;
         }
-        let is_late = accuracy
-            .time_limit_s
-            .is_some_and(|limit_s| elapsed_s >= limit_s);
-        let further: Vec<Option<Effort>> = match is_late || round == MOST_ROUNDS {
+        let mut further: Vec<Option<Effort>> = match round == MOST_ROUNDS {
             true => vec![None; responses.len()],
             false => (responses.iter().zip(open.pairs()))
                 .map(|(response, pair)| next.further(response, *pair, settings, accuracy))
                 .collect(),
         };
         let all = further.iter().flatten().copied().reduce(Effort::and);
+        let all = all.and_then(|wanted| match accuracy.time_limit_s {
+            Some(limit_s) => wanted.within(limit_s - elapsed_s, next, elapsed_s - before_s),
+            None => Some(wanted),
+        });
+        if all.is_none() {
+            further.fill(None);
+        }
         observe(Round {
             responses: &responses,
             finished: further.iter().filter(|effort| effort.is_none()).count(),
@@ -110,6 +115,22 @@ impl Effort {
             waves: self.waves.max(other.waves),
             seconds: self.seconds.max(other.seconds),
         }
+    }
+
+    /// This effort with at most as many waves as fit `left_s` seconds, if a round of the effort `last` took `last_s`
+    /// seconds and the time is proportional to waves and length; `None` if that is less than [`LEAST_GROWTH`] times the
+    /// waves of `last`. The prediction errs towards a round that is too long, because parts of a round, such as the
+    /// search for exact paths, do not grow with the waves.
+    fn within(self, left_s: f64, last: Effort, last_s: f64) -> Option<Effort> {
+        let fitting = f64::from(last.waves) * (left_s / last_s) * (last.seconds / self.seconds);
+        if f64::from(self.waves) <= fitting {
+            return Some(self);
+        }
+        let is_worth_it = fitting >= LEAST_GROWTH * f64::from(last.waves);
+        is_worth_it.then_some(Effort {
+            waves: fitting as u32,
+            ..self
+        })
     }
 
     /// The effort of the next round after a response of this effort; `None` if its figures are accurate, or if all
@@ -165,5 +186,34 @@ impl ResponseSettings {
         self.late_waves = Some(waves);
         self.trace.waves = self.trace.waves.max(waves);
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects time limits: a round is made no longer than the time that is left, as the last round predicts it, and is
+    /// not begun if it would hardly improve the result.
+    #[test]
+    fn a_round_fits_the_time_that_is_left() {
+        let effort = |waves: u32, seconds: f64| Effort { waves, seconds };
+        let fitted = |wanted: Effort, left_s: f64| {
+            let within = wanted.within(left_s, effort(1000, 1.0), 2.0);
+            within.map(|effort| (effort.waves, effort.seconds))
+        };
+        assert_eq!(fitted(effort(4000, 1.0), 8.0), Some((4000, 1.0)));
+        assert_eq!(fitted(effort(4000, 1.0), 6.0), Some((3000, 1.0)));
+        assert_eq!(fitted(effort(4000, 1.0), 3.0), Some((1500, 1.0)));
+        assert_eq!(fitted(effort(4000, 1.0), 2.9), None);
+        // A longer record takes more time for each wave.
+        assert_eq!(fitted(effort(4000, 1.5), 6.0), Some((2000, 1.5)));
+        assert_eq!(fitted(effort(1000, 1.5), 3.0), Some((1000, 1.5)));
+        assert_eq!(fitted(effort(1000, 1.5), 2.9), None);
+        // A small rest of the waves is traced if it fits.
+        assert_eq!(fitted(effort(1100, 1.0), 2.5), Some((1100, 1.0)));
+        for left_s in [0.0, -1.0, f64::NAN] {
+            assert_eq!(fitted(effort(4000, 1.0), left_s), None);
+        }
     }
 }

@@ -17,8 +17,8 @@ pub struct AccuracyOptions {
     /// at most 100 million waves times iterations]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     waves: Option<u32>,
-    /// Time for each pair after which no more waves are added for --accuracy. The result then depends on the speed of
-    /// the machine [default: no limit]
+    /// Time limit for each source: waves are added for --accuracy only as far as the time is predicted to suffice. The
+    /// result then depends on the speed of the machine [default: no limit]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time_limit: Option<f64>,
 }
