@@ -22,8 +22,9 @@ pub struct Accuracy {
     /// Maximum number of waves. By default their number times the iterations is at most 100 million, which takes about
     /// 10 s in a room without users' fields on two cores.
     pub most_waves: Option<u32>,
-    /// Seconds after which no further round begins; no limit by default. The result then depends on the speed of the
-    /// machine. A round takes as long as its waves need.
+    /// Time limit in seconds; no limit by default. A round has no more waves than the time allows that is left, as the
+    /// time of the last round predicts. The first round is always completed. The result depends on the speed of the
+    /// machine.
     #[serde(serialize_with = "finite")]
     pub time_limit_s: Option<f64>,
 }
@@ -62,7 +63,7 @@ impl Accuracy {
         self
     }
 
-    /// Sets the time in seconds after which no further round begins.
+    /// Sets the time limit in seconds.
     #[must_use]
     pub fn with_time_limit(mut self, seconds: f64) -> Accuracy {
         self.time_limit_s = Some(seconds);

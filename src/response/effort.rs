@@ -124,6 +124,32 @@ impl Effort {
         }
     }
 
+    /// This effort with at most as many waves as fit `left_s` seconds, if a round of the effort `last` took `last_s`
+    /// seconds; `None` if that is less than [`LEAST_GROWTH`] times the waves of `last`. The prediction errs towards a
+    /// round that is too long, because parts of a round, such as the search for exact paths, do not grow with the waves.
+    pub fn fitting(self, left_s: f64, last: Effort, last_s: f64) -> Option<Effort> {
+        let share = (left_s / last_s) * (last.flight_s() / self.flight_s());
+        if share >= 1.0 {
+            return Some(self);
+        }
+        let fit = |waves: u32| (f64::from(waves) * share) as u32;
+        let waves = fit(self.waves);
+        let onset_waves = fit(self.onset_waves).max(waves);
+        let grows = |waves: u32, last: u32| f64::from(waves) >= LEAST_GROWTH * f64::from(last);
+        let is_worth_it = grows(waves, last.waves) || grows(onset_waves, last.onset_waves);
+        is_worth_it.then_some(Effort {
+            waves,
+            onset_waves,
+            ..self
+        })
+    }
+
+    /// Time in seconds that all waves fly.
+    fn flight_s(self) -> f64 {
+        let in_onset = f64::from(self.onset_waves.saturating_sub(self.waves));
+        self.seconds * (f64::from(self.waves) + Onset::SHARE * in_onset)
+    }
+
     /// The waves that fulfil the demands in the least time. `share` is the time of a wave of the onset relative to that
     /// of a wave that is followed to the end; `None` without an onset.
     fn grown(self, demands: &[Demand], share: Option<f64>) -> Effort {
@@ -268,6 +294,42 @@ mod tests {
         let much = grown(&[demand(1e4, 0.5)]);
         assert_eq!((much.waves, much.onset_waves), (16_384, 65_536));
         assert_eq!(EFFORT.grown(&[demand(2.0, 1.0)], None).waves, 9830);
+    }
+
+    /// Protects time limits: a round is made no longer than the time that is left, as the last round predicts it, and is
+    /// not begun if it would hardly improve the result.
+    #[test]
+    fn a_round_fits_the_time_that_is_left() {
+        let effort = |waves: u32, seconds: f64| Effort {
+            waves,
+            onset_waves: waves,
+            seconds,
+        };
+        let fitted = |wanted: Effort, left_s: f64| {
+            let fitting = wanted.fitting(left_s, effort(1000, 1.0), 2.0);
+            fitting.map(|effort| (effort.waves, effort.seconds))
+        };
+        assert_eq!(fitted(effort(4000, 1.0), 8.0), Some((4000, 1.0)));
+        assert_eq!(fitted(effort(4000, 1.0), 6.0), Some((3000, 1.0)));
+        assert_eq!(fitted(effort(4000, 1.0), 3.0), Some((1500, 1.0)));
+        assert_eq!(fitted(effort(4000, 1.0), 2.9), None);
+        // A longer record takes more time for each wave.
+        assert_eq!(fitted(effort(4000, 1.5), 6.0), Some((2000, 1.5)));
+        assert_eq!(fitted(effort(1000, 1.5), 3.0), Some((1000, 1.5)));
+        assert_eq!(fitted(effort(1000, 1.5), 2.9), None);
+        // A small rest of the waves is traced if it fits.
+        assert_eq!(fitted(effort(1100, 1.0), 2.5), Some((1100, 1.0)));
+        for left_s in [0.0, -1.0, f64::NAN] {
+            assert_eq!(fitted(effort(4000, 1.0), left_s), None);
+        }
+        // Waves that end after the onset take a sixth of the time.
+        let onset = Effort {
+            onset_waves: 7000,
+            ..effort(1000, 1.0)
+        };
+        assert_eq!(onset.fitting(4.0, effort(1000, 1.0), 2.0), Some(onset));
+        let half = onset.fitting(2.0, effort(1000, 1.0), 2.0).unwrap();
+        assert_eq!((half.waves, half.onset_waves), (500, 3500));
     }
 
     /// Protects the limits of waves and of time.

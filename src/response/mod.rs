@@ -53,6 +53,7 @@ mod hidden;
 mod impulse_response;
 mod late;
 mod least_level;
+mod notes;
 mod omnidirectional_path;
 mod rounds;
 mod settings;
@@ -65,14 +66,14 @@ mod transmission;
 pub use crate::arrival::{Arrival, Tap};
 pub use accuracy::Accuracy;
 #[doc(hidden)]
-pub use diagnosis::{Flutter, Gap, flutters};
+pub use diagnosis::Gap;
 pub use echogram::{Echogram, EchogramRow};
 pub use error::ResponseError;
 pub(crate) use error::check_taps;
+#[doc(hidden)]
+pub use figures::Precision;
 pub use figures::{BandFigures, Figures};
 pub(crate) use figures::{CommonErrors, Differences, Record, uncertain_energy};
-#[doc(hidden)]
-pub use figures::{Precision, Withheld};
 pub use heard_source::{HeardKind, HeardSource};
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use hidden::DirectWays;
@@ -82,6 +83,7 @@ pub use impulse_response::{
     AmbisonicOrder, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
 };
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
+pub use notes::Note;
 #[doc(hidden)]
 pub use rounds::Round;
 pub use settings::ResponseSettings;

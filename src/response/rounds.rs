@@ -38,21 +38,26 @@ pub(super) fn trace(
     let mut next = Effort::first(listeners.pairs(), settings, accuracy, seconds);
     for round in 1.. {
         let of_round = next.settings(open.pairs(), settings);
+        let before_s = began.elapsed().as_secs_f64();
         let mut responses = open.trace(tracer, &of_round, next.seconds)?;
         let elapsed_s = began.elapsed().as_secs_f64();
         for response in &mut responses {
             response.milliseconds = elapsed_s * 1e3;
         }
-        let is_late = accuracy
-            .time_limit_s
-            .is_some_and(|limit_s| elapsed_s >= limit_s);
-        let further: Vec<Option<Effort>> = match is_late || round == MOST_ROUNDS {
+        let mut further: Vec<Option<Effort>> = match round == MOST_ROUNDS {
             true => vec![None; responses.len()],
             false => (responses.iter().zip(open.pairs()))
                 .map(|(response, pair)| next.further(response, *pair, settings, accuracy))
                 .collect(),
         };
         let all = further.iter().flatten().copied().reduce(Effort::and);
+        let all = all.and_then(|wanted| match accuracy.time_limit_s {
+            Some(limit_s) => wanted.fitting(limit_s - elapsed_s, next, elapsed_s - before_s),
+            None => Some(wanted),
+        });
+        if all.is_none() {
+            further.fill(None);
+        }
         observe(Round {
             responses: &responses,
             finished: further.iter().filter(|effort| effort.is_none()).count(),

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::response::{Accuracy, Echogram, ImpulseSettings, ResponseError};
 use crate::scene::{Scene, Surface};
 use crate::serialised::finite;
-use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError};
+use crate::tracer::{Profile, Settings, TraceError};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a [`Response`](super::Response).
@@ -284,8 +284,8 @@ impl ResponseSettings {
     ///
     /// # Errors
     /// [`Error::Trace`] with the name, the range and the value, also for a number of iterations other than the default;
-    /// [`TraceError::NoArrivals`] for the profile `thesis`; [`Error::Acoustics`] for more than
-    /// [`ImpulseSettings::MAX_SECONDS`], and for bins and batches out of range.
+    /// [`TraceError::NoArrivals`] for the profile `thesis`; [`Error::Acoustics`] for a length
+    /// that is not above 0 s and at most [`ImpulseSettings::MAX_SECONDS`], and for bins and batches out of range.
     pub fn validate(&self) -> Result<(), Error> {
         self.trace.validate()?;
         let profile = self.trace.profile();
@@ -299,11 +299,10 @@ impl ResponseSettings {
             return Err(bad("number of iterations of a response", must, iterations));
         }
         Echogram::new(self.bin_s, self.batches)?;
-        if let Some(seconds) = self.seconds {
-            ArrivalSettings::new(seconds).validate()?;
-            if seconds > ImpulseSettings::MAX_SECONDS {
-                return Err(ResponseError::BadLength { seconds }.into());
-            }
+        if let Some(seconds) = self.seconds
+            && !(seconds > 0.0 && seconds <= ImpulseSettings::MAX_SECONDS)
+        {
+            return Err(ResponseError::BadLength { seconds }.into());
         }
         let longest_s = self.longest_s;
         if !(longest_s > 0.0 && longest_s <= ImpulseSettings::MAX_SECONDS) {
@@ -382,6 +381,13 @@ mod tests {
             with_bins(1e-3, usize::MAX),
         ] {
             assert!(bad.validate().is_err(), "{bad:?}");
+        }
+        // Lengths out of range have one sentence.
+        for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, 61.0] {
+            let refused = settings.clone().with_seconds(seconds).validate();
+            let refused = refused.expect_err("a length out of range").to_string();
+            let sentence = "it must be longer than 0 s and no longer than 60 s";
+            assert!(refused.ends_with(sentence), "{refused}");
         }
         // A number larger than the number of waves means all waves.
         assert_eq!(

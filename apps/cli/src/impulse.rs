@@ -3,8 +3,6 @@
 mod accuracy;
 mod file_names;
 mod files;
-mod flutter;
-mod missing;
 mod notes;
 pub(super) mod pairs;
 mod print_out;

@@ -43,6 +43,8 @@ pub struct Heard {
     seed: u32,
     /// The names of the surfaces that reflect each path, with the walls of rooms and the groups of meshes.
     surfaces: Vec<Vec<String>>,
+    /// Why figures are missing or inexact, and whether each of the texts is a warning.
+    notes: Vec<(String, bool)>,
 }
 
 /// A round of responses with a requested accuracy.
@@ -177,7 +179,9 @@ impl Heard {
     fn new(pair: Pair, response: Response, tracer: &Tracer, settings: &ResponseSettings) -> Heard {
         let (scene, source, listener) = (pair.scene(), pair.source(), pair.listener());
         let (source_index, listener_index) = pair.indices();
+        let notes = response.notes(pair).into_iter();
         Heard {
+            notes: notes.map(|n| (n.to_string(), n.is_warning)).collect(),
             surfaces: names(scene, &response),
             scene: scene.name.clone(),
             renderer: tracer.context().renderer().to_owned(),
@@ -382,6 +386,12 @@ impl Heard {
         without_time(self) == without_time(other)
     }
 
+    /// The notes that are warnings.
+    fn warnings(&self) -> Vec<&str> {
+        let warnings = self.notes.iter().filter(|(_, is_warning)| *is_warning);
+        warnings.map(|(text, _)| text.as_str()).collect()
+    }
+
     /// The properties of the response by their names.
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let response = &self.response;
@@ -408,6 +418,8 @@ impl Heard {
         about.set_item("cut_off", response.figures.cut_off.map(or_nan))?;
         let gaps = response.gaps().map(|gap| gap.map(Gap::words));
         about.set_item("gaps", gaps.to_vec())?;
+        let notes: Vec<&str> = self.notes.iter().map(|(text, _)| text.as_str()).collect();
+        about.set_item("notes", notes)?;
         about.set_item("missed_early_share", or_nan(response.missed.energy_share()))?;
         about.set_item("left_out_share", response.left_out_share)?;
         about.set_item("search_left_out_share", response.search_left_out_share)?;

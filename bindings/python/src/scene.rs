@@ -4,7 +4,7 @@ use crate::errors;
 use echomarch::bands::Bands;
 use echomarch::scene::mesh::{Inside, MeshOptions, TriangleMesh};
 use echomarch::scene::shape::Mesh;
-use echomarch::scene::{Material, Pair, Warning};
+use echomarch::scene::{Material, Pair, SceneError, Warning};
 use echomarch::{Listener, Source, Surface};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -84,6 +84,24 @@ impl Scene {
                 );
                 errors::settings(message)
             })
+    }
+
+    /// Refuses an added name that one of the sources or listeners already has, as the check of the whole scene does.
+    fn refuse_same_name<'a>(
+        &self,
+        what: &'static str,
+        known: impl Iterator<Item = &'a Option<String>>,
+        added: impl Iterator<Item = &'a Option<String>>,
+    ) -> PyResult<()> {
+        let added: Vec<&String> = added.flatten().collect();
+        match known.flatten().find(|name| added.contains(name)) {
+            Some(name) => Err(errors::from(SceneError::SameName {
+                scene: self.inner.name.clone(),
+                what,
+                name: name.clone(),
+            })),
+            None => Ok(()),
+        }
     }
 
     /// The pair of a source and a listener, given by indices.
@@ -214,6 +232,9 @@ impl Scene {
     fn add_source(&mut self, fields: &str, origin: &str, folder: PathBuf) -> PyResult<()> {
         let source = format!("source: Source({fields})");
         let part = parts(&[ANY_SURFACE, &source, ANY_LISTENER], origin, &folder)?;
+        let known = self.inner.sources.iter().map(|source| &source.name);
+        let added = part.sources.iter().map(|source| &source.name);
+        self.refuse_same_name("sources", known, added)?;
         self.inner.sources.extend(part.sources);
         Ok(())
     }
@@ -222,6 +243,9 @@ impl Scene {
     fn add_listener(&mut self, fields: &str, origin: &str) -> PyResult<()> {
         let listener = format!("listener: Listener({fields})");
         let part = parts(&[ANY_SURFACE, ANY_SOURCE, &listener], origin, Path::new(""))?;
+        let known = self.inner.listeners.iter().map(|listener| &listener.name);
+        let added = part.listeners.iter().map(|listener| &listener.name);
+        self.refuse_same_name("listeners", known, added)?;
         self.inner.listeners.extend(part.listeners);
         Ok(())
     }

@@ -68,6 +68,7 @@ def assert_equals(r, pair):
         np.testing.assert_array_equal(r.paths[name], [path[name] for path in pair["paths"]], err_msg=name)
     np.testing.assert_array_equal(r.paths["g_db"], or_nan(path["g_db"] for path in pair["paths"]))
     assert r.left_out_share == pair["left_out_share"]
+    assert r.notes == pair["notes"][: len(r.notes)]
     np.testing.assert_array_equal(r.cut_off, or_nan(pair["cut_off"]))
 
 

@@ -67,6 +67,14 @@ def test_impulse_responses_have_channels_and_samples(room, hrirs):
     ):
         with pytest.raises(em.SettingsError, match=sentence):
             r.ir(**bad)
+    for bad, sentence in (
+        ({"rate": 44100.5}, "rate must be a whole number of samples per second, not 44100.5"),
+        ({"format": None}, "format must be the name of a format, not None"),
+        ({"format": "ambisonics", "order": "two"}, "order must be a whole number, 1 to 7, not 'two'"),
+        ({"seed": "x"}, "seed must be a whole number of 0 to 4294967295, not 'x'"),
+    ):
+        with pytest.raises(em.SettingsError, match=sentence):
+            r.ir(**bad)
     with pytest.raises(em.SofaError, match="none.sofa"):
         r.ir(format="binaural", sofa="none.sofa")
 
@@ -147,7 +155,20 @@ def test_progress_reports_each_round(room, capsys):
         ({"accuracy": 0.5}, "accuracy of figures must be 0.001 to 0.05"),
         ({"waves": 0}, "waves must be 1 to 16777216, not 0"),
         ({"waves": 100, "time_limit": 1}, "time_limit needs accuracy"),
-        ({"seconds": 100}, "60"),
+        ({"seconds": 100}, "an impulse response of 100 s: it must be longer than 0 s and no longer than 60 s"),
+        ({"seconds": 0}, "an impulse response of 0 s: it must be longer than 0 s and no longer than 60 s"),
+        ({"seconds": "long"}, "seconds must be a time in s, not 'long'"),
+        ({"accuracy": "x"}, "accuracy must be a share, such as 0.02 for 2 %, not 'x'"),
+        ({"waves": 1e5}, "waves must be a whole number of waves, not 100000.0"),
+        ({"waves": -1}, "waves must be a whole number of waves, not -1"),
+        ({"seed": 1.5}, "seed must be a whole number of 0 to 4294967295, not 1.5"),
+        ({"seed": 2**32}, "seed must be a whole number of 0 to 4294967295"),
+        ({"order": "all"}, "order must be a whole number of reflections, not 'all'"),
+        ({"diffraction": 1}, "diffraction must be True or False, not 1"),
+        ({"transmission": None}, "transmission must be True or False, not None"),
+        ({"profile": 3}, "profile must be the name of an algorithm, not 3"),
+        ({"directions": None}, "directions must be the name of start directions, not None"),
+        ({"time_limit": "8 s"}, "time_limit must be a time in s, not '8 s'"),
         ({"order": 99}, "order of exact paths must be 0 to 16, not 99"),
         ({"profile": "fast"}, "fast"),
         ({"profile": "thesis"}, "thesis"),
@@ -158,6 +179,16 @@ def test_bad_settings_are_refused_in_sentences(room, settings, sentence):
     """Protects users from tracebacks: a setting out of range is named with its range."""
     with pytest.raises(em.SettingsError, match=sentence):
         em.response(room, **settings)
+
+
+def test_arrays_of_numpy_are_arguments(room):
+    """Protects users of NumPy from the checks of types: its numbers and arrays are as good as those of Python."""
+    numbers = {"waves": np.int64(2048), "seed": np.uint8(1), "seconds": np.float32(0.25), "order": np.int8(2)}
+    r = em.response(room, diffraction=np.bool_(False), **numbers)
+    assert r == em.response(room, waves=2048, seed=1, seconds=0.25, order=2)
+    np.testing.assert_array_equal(r.ir(rate=np.int32(8000)), r.ir(rate=8000))
+    room.add_listener("stalls", np.array([1.0, 0.2, 1.0]), view=np.array([1, 0, 0]), radius=np.float32(0.25))
+    assert room.listeners["stalls"] == (1.0, pytest.approx(0.2), 1.0)
 
 
 def test_a_frame_knows_left_and_right():
@@ -179,8 +210,24 @@ def test_missing_figures_and_odd_places_are_reported():
     short = em.response(room, listener="seat", waves=2048, seconds=0.2)
     assert np.isnan(short.figures["t30"][4])
     assert short.gaps[4] == "record too short"
+    assert any("use a longer record (seconds)" in note for note in short.notes), short.notes
+    assert pickle.loads(pickle.dumps(short)).notes == short.notes
     with pytest.warns(UserWarning, match=r"0\.25 m inside .*room"):
         em.response(room, listener="ceiling", waves=64, seconds=0.2)
+    with pytest.warns(UserWarning, match=r"0\.25 m inside .*room"):
+        em.responses([(room, "talker", "ceiling")], waves=64, seconds=0.2)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         em.response(room, listener="seat", waves=64, seconds=0.2)
+
+
+def test_lost_waves_are_warnings():
+    """Protects figures from a silent loss of waves: a march that ends at its step limit is a note and a warning."""
+    scene = em.Scene.empty()
+    # Waves fly far between tori that repeat endlessly.
+    scene.add_surface("Repeat(of: Torus(ring: 0.3, tube: 0.05), period: (4, 4, 4))")
+    scene.add_source("s", (2, 2, 2))
+    scene.add_listener("l", (6, 2, 2), radius=0.5)
+    with pytest.warns(UserWarning, match="step limit"):
+        r = em.response(scene, waves=4096, seconds=0.1)
+    assert any("step limit" in note for note in r.notes)

@@ -67,7 +67,7 @@ def test_scattering_holds_for_materials_that_state_none(room):
     before.add_source("talker", (-2, 0, -1.5))
     before.add_listener("seat", (2, -0.3, 1.5), yaw=30)
     assert em.response(room, **CHEAP) == em.response(before, **CHEAP)
-    with pytest.raises(em.SettingsError, match="one number or 8, not 3"):
+    with pytest.raises(em.SettingsError, match="scattering must be one share of 0 to 1, or 8 for the octave bands"):
         room.scattering = [0.1, 0.2, 0.3]
 
 
@@ -139,7 +139,10 @@ def test_sources_have_directions_and_levels():
 @pytest.mark.parametrize(
     "make, sentence",
     [
-        (lambda: em.Scene.shoebox((1, 2)), "the size of a room must be three numbers, not (1, 2)"),
+        (lambda: em.Scene.shoebox((1, 2)), "the size of a room must be three numbers, lengths in m, not (1, 2)"),
+        (lambda: em.Scene.shoebox(4), "the size of a room must be three numbers, lengths in m, not 4"),
+        (lambda: em.Scene.shoebox((1, 2, 3), {"floor": None}), "absorption must be a share of 0 to 1, or 8"),
+        (lambda: em.Scene.shoebox((1, 2, 3), em.Material(0.1, density="x")), "density must be a density in kg/m³"),
         (lambda: em.Scene.shoebox((1, 2, -3)), "three lengths above 0 m"),
         (lambda: em.Scene.shoebox((1, 2, 3), 1.5), "the material room: an absorption must be 0 to 1, not 1.5"),
         (lambda: em.Scene.shoebox((1, 2, 3), [0.1] * 7), "8"),
@@ -148,6 +151,18 @@ def test_sources_have_directions_and_levels():
         (lambda: em.Scene.empty().set_material("wall", 0.1), 'has no surface "wall"; it has: '),
         (lambda: em.Scene.empty().add_surface("Bx"), "did you mean Box?"),
         (lambda: em.Scene.empty().add_source("s", "ab"), "the position of a source must be three numbers"),
+        (lambda: em.Scene.empty().add_source("s", (1, 2)), "three numbers, coordinates in m, not (1, 2)"),
+        (lambda: em.Scene.empty().add_source(1, (0, 0, 0)), "name must be a text, not 1"),
+        (lambda: em.Scene.empty().add_source("s", (0, 0, 0), level_db="x"), "level_db must be a level in dB, not 'x'"),
+        (lambda: em.Scene.empty().add_source("s", (0, 0, 0), directivity=1), "directivity must be a text in the not"),
+        (lambda: em.Scene.empty().add_listener("l", (0, 0, 0), yaw=None), "yaw must be an angle in degrees, not None"),
+        (lambda: em.Scene.empty().add_listener("l", (0, 0, 0), view=3), "view must be three numbers, a direction, not 3"),
+        (lambda: em.Scene.empty().add_surface("Box(size: (1, 1, 1))", (0, 0)), "the position of a surface must be thr"),
+        (lambda: em.Scene("corner").at("now"), "seconds must be a time in s, not 'now'"),
+        (lambda: em.Scene.empty().set_air("warm"), "temperature must be a number of °C, not 'warm'"),
+        (lambda: em.response("hall"), "scene must be a Scene, not 'hall'"),
+        (lambda: em.responses(["hall"]), "scene must be a Scene, not 'hall'"),
+        (lambda: em.responses([em.Scene("corner")], workers=1.5), "workers must be a whole number of processes, not 1.5"),
         (lambda: em.Scene.empty().add_source("s", (0, 0, float("inf"))), "position"),
         (lambda: em.Scene.empty().add_source("s", (0, 0, 0), directivity="Loud"), "Loud"),
         (lambda: em.Scene.empty().add_source("s", (0, 0, 0), view=(0, 0, 0)), "must not be (0, 0, 0)"),
@@ -164,6 +179,16 @@ def test_bad_scenes_are_refused_in_sentences(make, sentence):
         make()
     assert isinstance(refused.value, em.EchomarchError)
     assert sentence in str(refused.value), refused.value
+
+
+def test_two_listeners_or_sources_of_one_name_are_refused(room):
+    """Protects listeners from hiding each other: a second one of the same name is refused, as in a scene file."""
+    for add, what, name in ((room.add_listener, "listeners", "seat"), (room.add_source, "sources", "talker")):
+        with pytest.raises(em.SceneError, match=f'two of the {what} are called "{name}"'):
+            add(name, (0, 0, 0))
+    assert list(room.listeners) == ["seat"] and list(room.sources) == ["talker"]
+    room.add_source("seat", (0, 0, 0))
+    em.response(room.copy(), "talker", **CHEAP)
 
 
 def test_an_unknown_material_is_refused_when_it_is_used(room):

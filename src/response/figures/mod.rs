@@ -25,7 +25,8 @@ mod uncertainty;
 pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
 pub(super) use precision::Demand;
-pub use precision::{Precision, Withheld};
+pub use precision::Precision;
+pub(crate) use precision::Withheld;
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
 /// Distance in metres at which the direct sound in a free field has a strength *G* of 0 dB.

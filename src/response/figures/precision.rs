@@ -25,7 +25,7 @@ pub struct Precision {
 
 /// Why a figure that is defined is not reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Withheld {
+pub(crate) enum Withheld {
     /// Too few waves arrive after the end of the decay: their number.
     FewArrivals(f64),
     /// The error of a decay time from the noise of the waves, as a share of the time. `None` if it is unknown, because
@@ -109,8 +109,7 @@ impl Figures {
 
     /// Why a figure of a band is withheld, with the figure's place in [`BandFigures::NAMES`]. `None` if it is reported,
     /// and if it is not defined for this sound.
-    #[doc(hidden)]
-    pub fn withheld(&self, band: usize, figure: usize) -> Option<Withheld> {
+    pub(crate) fn withheld(&self, band: usize, figure: usize) -> Option<Withheld> {
         let precision = &self.precision[band][figure];
         let value = precision.value?;
         if self.bands[band].list()[figure].is_some() {
@@ -128,8 +127,7 @@ impl Figures {
 
     /// The factor by which the number of waves must grow until a figure of a band is reported; `None` if it is
     /// reported or not defined, and infinite if no wave arrives after the end of its decay.
-    #[doc(hidden)]
-    pub fn waves_to_report(&self, band: usize, figure: usize) -> Option<f64> {
+    pub(crate) fn waves_to_report(&self, band: usize, figure: usize) -> Option<f64> {
         let factor = match self.withheld(band, figure)? {
             Withheld::FewArrivals(arrivals) if arrivals < 1.0 => f64::INFINITY,
             Withheld::FewArrivals(arrivals) => LEAST_ARRIVALS / arrivals,

@@ -24,9 +24,6 @@ pub(in crate::response) struct Onset {
     pub seconds: f64,
 }
 
-/// Share of the record that the onset takes. EDT is measured over 10 dB, a sixth of the 60 dB that a record contains.
-const SHARE: f64 = 1.0 / 6.0;
-
 /// The least length of an onset in seconds: the limit of C80.
 const LEAST_S: f64 = 0.08;
 
@@ -34,6 +31,9 @@ const LEAST_S: f64 = 0.08;
 const MOST: f64 = 0.5;
 
 impl Onset {
+    /// Share of the record that the onset takes. EDT is measured over 10 dB, a sixth of the 60 dB that a record contains.
+    pub const SHARE: f64 = 1.0 / 6.0;
+
     /// Length in seconds of the onset of a record of `seconds`, and its share of the record. `None` if the pair cannot
     /// have an onset with more waves: its waves must scatter in all bands, or else pilot waves decide about their starts;
     /// and the source must radiate evenly, or else its directivity decides.
@@ -47,7 +47,7 @@ impl Onset {
         let starts_evenly = pair.source.directivity.is_omnidirectional()
             && settings.trace.directions == Directions::Random
             && shader::band_groups(pair.scene).iter().all(scatters);
-        let length_s = (SHARE * seconds).max(LEAST_S);
+        let length_s = (Onset::SHARE * seconds).max(LEAST_S);
         let share = (direct_s + length_s) / seconds;
         (starts_evenly && share <= MOST).then_some((length_s, share))
     }

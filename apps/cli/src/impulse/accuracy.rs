@@ -2,7 +2,6 @@
 
 use super::super::exit::BadInput;
 use super::super::numbers::{count, real};
-use super::missing;
 use clap::Args;
 use echomarch::response::{Accuracy, ResponseSettings, Round};
 use echomarch::tracer::Settings;
@@ -18,8 +17,8 @@ pub struct AccuracyOptions {
     /// at most 100 million waves times iterations]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     waves: Option<u32>,
-    /// Time for each pair after which no more waves are added for --accuracy. The result then depends on the speed of
-    /// the machine [default: no limit]
+    /// Time limit for each source: waves are added for --accuracy only as far as the time is predicted to suffice. The
+    /// result then depends on the speed of the machine [default: no limit]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time_limit: Option<f64>,
 }
@@ -75,7 +74,7 @@ pub fn of_round(settings: &ResponseSettings, round: &Round) -> String {
     let figures = round.responses.iter().map(|response| &response.figures);
     let share = accuracy.share;
     let worst = figures.max_by(|a, b| a.waves_for(share).total_cmp(&b.waves_for(share)));
-    let open = worst.map_or_else(String::new, |worst| missing::inaccurate(worst, share));
+    let open = worst.map_or_else(String::new, |worst| worst.inaccurate(share));
     match open.is_empty() {
         true => format!("({next} waves)"),
         false => format!("({next} waves; open: {open})"),

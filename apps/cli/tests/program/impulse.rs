@@ -510,7 +510,7 @@ fn a_flutter_echo_is_told_with_its_walls() {
     };
     let bare = notes(room(""));
     assert!(
-        bare.contains("flutter echo between 1/left and 1/right; nothing scatters: write scattering: 0.1 in the scene"),
+        bare.contains("flutter echo between 1/left and 1/right; nothing scatters: give the scene a scattering, such as 0.1"),
         "{bare}"
     );
     let diffuse = notes(room("").replace("source:", "scattering: 0.6, source:"));
@@ -525,7 +525,7 @@ fn a_flutter_echo_is_told_with_its_walls() {
             .replace("absorption: 0.5", "absorption: 0.03"),
     );
     assert!(
-        hollow.contains("nothing scatters: write scattering: 0.1 in the scene"),
+        hollow.contains("nothing scatters: give the scene a scattering, such as 0.1"),
         "{hollow}"
     );
     let rough = notes(room(", scattering: 0.6"));

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence, Tuple
+from typing import Sequence, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -63,15 +63,6 @@ def shown_in(axes: str, vectors: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Convert vectors from the axes of scene files to these axes."""
     given = np.asarray(vectors, dtype=np.float64)
     return to_pyfar(given) if axes == "pyfar" else given
-
-
-def triple(what: str, given: Any) -> Tuple[float, float, float]:
-    """Return three numbers after a check."""
-    try:
-        x, y, z = (float(number) for number in given)
-    except (TypeError, ValueError):
-        raise SettingsError(f"{what} must be three numbers, not {given!r}") from None
-    return x, y, z
 
 
 def yaw_and_pitch(view: Sequence[float]) -> Tuple[float, float]:

@@ -12,7 +12,7 @@ class SceneError(EchomarchError, ValueError):
 
 
 class SettingsError(EchomarchError, ValueError):
-    """An argument is out of its range, or unknown."""
+    """An argument is unknown, out of its range, or not of the type or shape that it takes."""
 
 
 class SofaError(EchomarchError, ValueError):

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Mapping, Optional, Sequence, Union
 
+import numpy as np
+
+from . import _arguments
 from ._echomarch import BUILTIN_MATERIALS
 
 PerBand = Union[float, Sequence[float]]
@@ -46,11 +49,10 @@ class Material:
     def _fields(self, scattering: PerBand) -> str:
         """Return the fields in the notation of scene files. `scattering` stands for a scattering that is not stated."""
         stated = self.scattering if self.scattering is not None else scattering
-        fields = [f"absorption: {in_notation(self.absorption)}", f"scattering: {in_notation(stated)}"]
-        for name in ("density", "coincidence", "reduction", "thickness"):
-            value = getattr(self, name)
-            if value is not None:
-                fields.append(f"{name}: {in_notation(value)}")
+        fields = [f"absorption: {_in_notation('absorption', self.absorption)}"]
+        for name, value in {**vars(self), "scattering": stated}.items():
+            if name != "absorption" and value is not None:
+                fields.append(f"{name}: {_in_notation(name, value)}")
         return ", ".join(fields)
 
 
@@ -58,19 +60,32 @@ AnyMaterial = Union[float, Sequence[float], str, Material]
 """An absorption (one or eight numbers), the name of a material, or a :class:`Material`."""
 
 
-def number(value: float) -> str:
-    """Return a number in the notation of scene files, with all digits."""
-    text = repr(float(value))
+_PER_BAND = {
+    "absorption": "a share of 0 to 1, or 8 for the octave bands",
+    "scattering": "a share of 0 to 1, or 8 for the octave bands",
+    "reduction": "a number of dB, or 8 for the octave bands",
+}
+_TAKES = {
+    **_PER_BAND,
+    "density": "a density in kg/m³",
+    "coincidence": "a product of frequency and thickness in Hz·m",
+    "thickness": "a length in m",
+}
+"""What the arguments of :class:`Material` take."""
+
+
+def number(name: str, takes: str, value: float) -> str:
+    """Return a number in the notation of scene files, with all digits, after a check."""
+    text = repr(_arguments.real(name, takes, value))
     return {"nan": "NaN"}.get(text, text)
 
 
-def in_notation(value: PerBand) -> str:
-    """Return one number or a list of numbers in the notation of scene files."""
-    try:
-        numbers = list(value)  # type: ignore[arg-type]
-    except TypeError:
-        return number(value)  # type: ignore[arg-type]
-    return f"[{', '.join(number(each) for each in numbers)}]"
+def _in_notation(name: str, value: PerBand) -> str:
+    """Return one number or a list of numbers in the notation of scene files, after a check."""
+    takes = _TAKES[name]
+    if isinstance(value, str) or np.ndim(value) == 0 or name not in _PER_BAND:
+        return number(name, takes, value)  # type: ignore[arg-type]
+    return f"[{', '.join(number(name, takes, each) for each in value)}]"  # type: ignore[union-attr]
 
 
 def builtin_materials() -> Mapping[str, Material]:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import importlib
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _axes, _echomarch, _progress
+from . import _arguments, _axes, _echomarch, _progress
 from ._errors import SettingsError, needed
-
-if TYPE_CHECKING:
-    from ._scene import Scene
+from ._scene import Scene, chosen_pair
 
 AnyPath = Union[str, "os.PathLike[str]"]
 AnyLabel = Union[str, int, None]
@@ -51,9 +49,25 @@ _UNKNOWN_TO_SOFA = ("ReceiverDescriptions", "EmitterDescriptions", "RoomVolume",
 
 _DEFAULT_ACCURACY = 0.02
 
+_SEED = "a whole number of 0 to 4294967295"
+
+_SETTINGS: Dict[str, Callable[[str, Any], Any]] = {
+    "accuracy": lambda name, given: _arguments.optional_real(name, "a share, such as 0.02 for 2 %", given),
+    "waves": lambda name, given: _arguments.optional_whole(name, "a whole number of waves", given),
+    "seed": lambda name, given: _arguments.whole(name, _SEED, given),
+    "seconds": lambda name, given: _arguments.optional_real(name, "a time in s", given),
+    "order": lambda name, given: _arguments.optional_whole(name, "a whole number of reflections", given),
+    "diffraction": _arguments.flag,
+    "transmission": _arguments.flag,
+    "profile": lambda name, given: _arguments.text(name, "the name of an algorithm", given),
+    "directions": lambda name, given: _arguments.text(name, "the name of start directions", given),
+    "time_limit": lambda name, given: _arguments.optional_real(name, "a time in s", given),
+}
+"""The checks of the settings, by their names."""
+
 
 def response(
-    scene: "Scene",
+    scene: Scene,
     source: AnyLabel = None,
     listener: AnyLabel = None,
     *,
@@ -103,8 +117,8 @@ def response(
     directions : {"random", "fibonacci"}
         Start directions.
     time_limit : float, optional
-        Time in s after which no more waves are added for `accuracy`. The result then depends on the speed of the
-        machine.
+        Time limit in s: waves are added for `accuracy` only as far as the time is predicted to suffice. The result then
+        depends on the speed of the machine.
     progress : callable, bool or None
         A function that receives a :class:`Progress` after each round. True shows progress on standard error or in a
         notebook, None only in a notebook, False never.
@@ -112,6 +126,12 @@ def response(
     Returns
     -------
     Response
+
+    Warns
+    -----
+    UserWarning
+        If the source or the listener is in a solid; if waves were lost, or not followed to the end of the record, so that
+        figures may be wrong. :attr:`Response.notes` has all remarks, also on missing figures.
 
     Raises
     ------
@@ -134,9 +154,18 @@ def response(
         directions=directions,
         time_limit=time_limit,
     )
-    source_index, listener_index = scene._pair(source, listener)
+    source_index, listener_index = chosen_pair(scene, source, listener)
     show = _progress.of_rounds(progress, scene.name)
-    return traced(scene, source_index, [listener_index], given, show)[0]
+    warn(scene._raw.in_solid(source_index, [listener_index]))
+    found = traced(scene, source_index, [listener_index], given, show)[0]
+    warn(found._heard.warnings())
+    return found
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Issue warnings that point to the caller of the function that calls this one."""
+    for text in texts:
+        warnings.warn(text, UserWarning, stacklevel=3)
 
 
 def settings_of_response(
@@ -151,15 +180,18 @@ def settings_of_response(
         accuracy = _DEFAULT_ACCURACY
     if time_limit is not None and accuracy is None:
         raise SettingsError("time_limit needs accuracy: without it, exactly the given number of waves is traced")
-    return {"accuracy": accuracy, "waves": waves, "time_limit": time_limit, **others}
+    return checked({"accuracy": accuracy, "waves": waves, "time_limit": time_limit, **others})
+
+
+def checked(given: Dict[str, Any]) -> Dict[str, Any]:
+    """Return settings after a check of their types. The extension module refuses unknown names and bad ranges."""
+    return {name: _SETTINGS[name](name, value) if name in _SETTINGS else value for name, value in given.items()}
 
 
 def traced(
-    scene: "Scene", source: int, listeners: List[int], given: Dict[str, Any], on_round: _progress.OnRound = None
+    scene: Scene, source: int, listeners: List[int], given: Dict[str, Any], on_round: _progress.OnRound = None
 ) -> List["Response"]:
     """Trace a source at several listeners, given by their indices. One trace of the source serves all listeners."""
-    for text in scene._raw.in_solid(source, listeners):
-        warnings.warn(text, UserWarning, stacklevel=3)
     heard = _echomarch.responses(scene._raw, source, listeners, given, on_round)
     return [Response(one, scene.axes) for one in heard]
 
@@ -189,6 +221,9 @@ class Response:
     gaps : list of str or None
         Why figures of a band are missing, for all eight bands; None if all decay times are there: ``"nothing arrives"``,
         ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"`` (more `waves`).
+    notes : list of str
+        Why figures are missing or inexact, and what to do about it; the sentences of the program. Empty if nothing is to
+        be said. ``Scene.warnings`` has those about the scene itself.
     time_origin_s, time_origin_error_s : float
         Time origin of the figures in s after the source's impulse, and its standard error; NaN if nothing arrives.
     cut_off : numpy.ndarray, shape (8,)
@@ -223,6 +258,7 @@ class Response:
     time_origin_s: float
     time_origin_error_s: float
     gaps: List[Optional[str]]
+    notes: List[str]
     missed_early_share: float
     left_out_share: float
     search_left_out_share: float
@@ -348,6 +384,10 @@ class Response:
         numpy.ndarray of float32, shape (channels, samples)
         """
         file = None if sofa is None else os.fspath(sofa)
+        rate = _arguments.whole("rate", "a whole number of samples per second", rate)
+        format = _arguments.text("format", "the name of a format", format)
+        order = _arguments.optional_whole("order", "a whole number, 1 to 7", order)
+        seed = _arguments.optional_whole("seed", _SEED, seed)
         return self._heard.impulse_response(rate, format, order, file, seed)
 
     def decay(self) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:

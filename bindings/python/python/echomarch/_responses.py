@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
-from . import _progress, _workers
+from . import _arguments, _progress, _workers
 from ._errors import SettingsError
-from ._response import Response, settings_of_response, traced
+from ._response import Response, settings_of_response, traced, warn
+from ._scene import Scene, chosen_pair
 
-if TYPE_CHECKING:
-    from ._scene import Scene
-
-Item = Union["Scene", Tuple["Scene", Union[str, int, None], Union[str, int, None]]]
+Item = Union[Scene, Tuple[Scene, Union[str, int, None], Union[str, int, None]]]
 
 
 class _Group(NamedTuple):
     """The items with the same scene and source. They are traced together."""
 
-    scene: "Scene"
+    scene: Scene
     source: int
     places: List[int]
     """The places of the items in the list of all items."""
@@ -55,16 +53,23 @@ def responses(
     -------
     list of Response
 
+    Warns
+    -----
+    UserWarning
+        As in :func:`response`.
+
     Raises
     ------
     WorkerError
         A worker process ended without a result.
     """
-    if workers < 1:
+    if _arguments.whole("workers", "a whole number of processes", workers) < 1:
         raise SettingsError(f"workers must be 1 or more, not {workers}")
     given = settings_of_response(**settings)
     chosen = [item if isinstance(item, tuple) else (item, None, None) for item in items]
     groups = _groups(chosen)
+    for group in groups:
+        warn(group.scene._raw.in_solid(group.source, group.listeners))
     done = _Done(progress, len(chosen))
     if workers > 1 and len(groups) > 1:
         tasks = [("responses", group.scene, group.source, group.listeners, given) for group in groups]
@@ -76,14 +81,16 @@ def responses(
         for group, found in zip(groups, traced_groups)
         for place, response in zip(group.places, found)
     }
-    return [in_order[place] for place in range(len(chosen))]
+    found = [in_order[place] for place in range(len(chosen))]
+    warn(text for response in found for text in response._heard.warnings())
+    return found
 
 
 def _groups(items: List[Tuple[Any, ...]]) -> List[_Group]:
     """Return the items by scene and source, in the order of their first items."""
     groups: Dict[Tuple[int, int], _Group] = {}
     for place, (scene, source, listener) in enumerate(items):
-        source_index, listener_index = scene._pair(source, listener)
+        source_index, listener_index = chosen_pair(scene, source, listener)
         new = _Group(scene, source_index, [], [])
         group = groups.setdefault((id(scene), source_index), new)
         group.places.append(place)

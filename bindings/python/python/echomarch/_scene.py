@@ -8,9 +8,9 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _axes, _echomarch
+from . import _arguments, _axes, _echomarch
 from ._errors import SettingsError
-from ._material import AnyMaterial, Material, PerBand, in_notation, number
+from ._material import AnyMaterial, Material, PerBand, number
 
 Vector = Sequence[float]
 AnyPath = Union[str, "os.PathLike[str]"]
@@ -22,15 +22,19 @@ _LISTENER_RADIUS_M = 0.3
 """Default radius of a listener in metres; waves that cross this sphere are heard."""
 
 
-def _quoted(text: str) -> str:
-    """Return a text in the notation of scene files."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+_PLACE = "coordinates in m"
+_ANGLE = "an angle in degrees"
+
+
+def _quoted(name: str) -> str:
+    """Return a name in the notation of scene files, after a check."""
+    escaped = _arguments.text("name", "a text", name).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 
 
-def _vector(numbers: Sequence[Union[float, str]]) -> str:
+def _vector(name: str, takes: str, numbers: Sequence[Union[float, str]]) -> str:
     """Return a vector in the notation of scene files. A text is a number in this notation."""
-    return f"({', '.join(each if isinstance(each, str) else number(each) for each in numbers)})"
+    return f"({', '.join(each if isinstance(each, str) else number(name, takes, each) for each in numbers)})"
 
 
 class Scene:
@@ -139,10 +143,11 @@ class Scene:
         """
         scene = cls.empty("shoebox", axes=axes)
         scene.scattering = scattering
-        extent = np.abs(_axes.given_in(axes, _axes.triple("the size of a room", size)))
-        if not np.all(np.asarray(size, dtype=float) > 0.0):
-            raise SettingsError(f"the size of a room must be three lengths above 0 m, not {tuple(size)}")
-        scene._do("add_surface", f'name: "room", shape: Room(size: {_vector(list(extent))})', "the room", "")
+        lengths = _arguments.triple("the size of a room", "lengths in m", size)
+        if not min(lengths) > 0.0:
+            raise SettingsError(f"the size of a room must be three lengths above 0 m, not {size!r}")
+        extent = _vector("size", "lengths in m", list(np.abs(_axes.given_in(axes, lengths))))
+        scene._do("add_surface", f'name: "room", shape: Room(size: {extent})', "the room", "")
         if isinstance(absorption, Mapping):
             for wall, material in absorption.items():
                 scene.set_material("room", material, part=wall)
@@ -192,7 +197,7 @@ class Scene:
         scene = cls.empty(os.path.splitext(os.path.basename(path))[0], axes=axes)
         is_hollow = None if inside is None else inside == "air"
         turns = -1 if up == "z" else 0
-        groups, warned = scene._do("add_mesh", "mesh", path, is_hollow, scale, turns)
+        groups, warned = scene._do("add_mesh", "mesh", path, is_hollow, _arguments.real("scale", "a number of m", scale), turns)
         for text in warned:
             _warn(f"{path}: {text}")
         known = dict(materials or {})
@@ -259,14 +264,18 @@ class Scene:
         folder : path
             The folder of files that the shape names.
         """
-        if any(isinstance(each, str) for each in position):
+        if not isinstance(position, str) and any(isinstance(each, str) for each in position):
             if self._axes != "echomarch":
                 raise SettingsError("a position with a text needs the axes of scene files, not those of pyfar")
             place: Sequence[Union[float, str]] = list(position)
         else:
-            place = self._place("a position", position)
+            place = self._place("the position of a surface", position)
         label = name if name is not None else str(len(self.surfaces) + 1)
-        fields = [f"shape: {shape}", f"position: {_vector(place)}", f"rotation: {_vector(rotation)}"]
+        fields = [
+            f"shape: {_arguments.text('shape', 'a text in the notation of scene files', shape)}",
+            f"position: {_vector('the position of a surface', _PLACE, place)}",
+            f"rotation: {_vector('the rotation of a surface', 'angles in degrees', rotation)}",
+        ]
         if name is not None:
             fields.insert(0, f"name: {_quoted(name)}")
         self._do("add_surface", ", ".join(fields), f"the surface {label}", os.fspath(folder))
@@ -314,10 +323,11 @@ class Scene:
 
     @scattering.setter
     def scattering(self, scattering: PerBand) -> None:
-        bands = np.broadcast_to(np.asarray(scattering, dtype=float), (8,)) if np.ndim(scattering) == 0 else scattering
-        if len(bands) != 8:  # type: ignore[arg-type]
-            raise SettingsError(f"scattering must be one number or 8, not {len(bands)}")  # type: ignore[arg-type]
-        self._do("set_scattering", [float(each) for each in bands])  # type: ignore[union-attr]
+        takes = "one share of 0 to 1, or 8 for the octave bands"
+        given: List[Any] = [scattering] * 8 if np.ndim(scattering) == 0 else list(scattering)  # type: ignore[arg-type]
+        if len(given) != 8:
+            raise _arguments.refused("scattering", takes, scattering)
+        self._do("set_scattering", [_arguments.real("scattering", takes, each) for each in given])
         self._scattering = scattering
         for name, material in list(self._materials.items()):
             self.add_material(name, material)
@@ -342,8 +352,12 @@ class Scene:
         if temperature is None:
             self._do("set_air", None)
             return
-        parts = {"temperature": temperature, "humidity": humidity, "pressure": pressure}
-        self._do("set_air", ", ".join(f"{name}: {number(value)}" for name, value in parts.items()))
+        parts = (
+            f"temperature: {number('temperature', 'a number of °C', temperature)}",
+            f"humidity: {number('humidity', 'a number of per cent', humidity)}",
+            f"pressure: {number('pressure', 'a number of kPa', pressure)}",
+        )
+        self._do("set_air", ", ".join(parts))
 
     # Sources and listeners
 
@@ -382,11 +396,11 @@ class Scene:
         place = self._place("the position of a source", position)
         fields = [
             f"name: {_quoted(name)}",
-            f"position: {_vector(place)}",
-            f"yaw: {number(yaw)}",
-            f"pitch: {number(pitch)}",
-            f"level_db: {number(level_db)}",
-            f"directivity: {directivity}",
+            f"position: {_vector('position', _PLACE, place)}",
+            f"yaw: {number('yaw', _ANGLE, yaw)}",
+            f"pitch: {number('pitch', _ANGLE, pitch)}",
+            f"level_db: {number('level_db', 'a level in dB', level_db)}",
+            f"directivity: {_arguments.text('directivity', 'a text in the notation of scene files', directivity)}",
         ]
         self._do("add_source", ", ".join(fields), f"the source {name}", os.fspath(folder))
 
@@ -419,10 +433,10 @@ class Scene:
         place = self._place("the position of a listener", position)
         fields = [
             f"name: {_quoted(name)}",
-            f"position: {_vector(place)}",
-            f"yaw: {number(yaw)}",
-            f"pitch: {number(pitch)}",
-            f"radius: {number(radius)}",
+            f"position: {_vector('position', _PLACE, place)}",
+            f"yaw: {number('yaw', _ANGLE, yaw)}",
+            f"pitch: {number('pitch', _ANGLE, pitch)}",
+            f"radius: {number('radius', 'a length in m', radius)}",
         ]
         self._do("add_listener", ", ".join(fields), f"the listener {name}")
 
@@ -435,12 +449,13 @@ class Scene:
         self._do("clear_listeners")
 
     def _place(self, what: str, position: Sequence[Any]) -> List[float]:
-        return [float(each) for each in _axes.given_in(self._axes, _axes.triple(what, position))]
+        return [float(each) for each in _axes.given_in(self._axes, _arguments.triple(what, _PLACE, position))]
 
     def _angles(self, view: Optional[Vector], yaw: float, pitch: float) -> Tuple[float, float]:
         if view is None:
             return yaw, pitch
-        return _axes.yaw_and_pitch(self._place("a view", view))
+        direction = _axes.given_in(self._axes, _arguments.triple("view", "a direction", view))
+        return _axes.yaw_and_pitch([float(each) for each in direction])
 
     # Values and time
 
@@ -456,12 +471,12 @@ class Scene:
 
     def set_value(self, name: str, value: float) -> None:
         """Set one named value; the name may be any text."""
-        self._do("set_value", name, value)
+        self._do("set_value", name, _arguments.real(f"the value {name}", "a number in m or degrees", value))
 
     def at(self, seconds: float) -> "Scene":
         """Return a copy in which everything that moves is at its place at a time in s."""
         posed = self.copy()
-        posed._do("move_to", seconds)
+        posed._do("move_to", _arguments.real("seconds", "a time in s", seconds))
         return posed
 
     # Properties
@@ -551,6 +566,13 @@ class Scene:
         sources = [label for label, _ in self._raw.sources()]
         listeners = [label for label, _ in self._raw.listeners()]
         return [(self, source, listener) for source in sources for listener in listeners]
+
+
+def chosen_pair(scene: Any, source: Union[str, int, None], listener: Union[str, int, None]) -> Tuple[int, int]:
+    """Return the indices of a source and a listener of a scene, after a check."""
+    if not isinstance(scene, Scene):
+        raise _arguments.refused("scene", "a Scene", scene)
+    return scene._pair(source, listener)
 
 
 def _chosen(what: str, labels: List[str], wanted: Union[str, int, None]) -> int:

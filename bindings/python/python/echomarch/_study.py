@@ -10,7 +10,7 @@ from typing import Any, List, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _echomarch, _progress, _workers
+from . import _arguments, _echomarch, _progress, _workers
 from ._errors import SettingsError
 
 AnyPath = Union[str, "os.PathLike[str]"]
@@ -69,7 +69,7 @@ class Study:
         numpy.ndarray, shape (points,), structured
             The columns of the table. Missing numbers are NaN.
         """
-        if workers < 1:
+        if _arguments.whole("workers", "a whole number of processes", workers) < 1:
             raise SettingsError(f"workers must be 1 or more, not {workers}")
         if folder is not None:
             return self._computed(os.fspath(folder), workers, progress)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-from . import _echomarch
-from ._response import AnyLabel
-
-if TYPE_CHECKING:
-    from ._scene import Scene
+from . import _arguments, _echomarch
+from ._response import AnyLabel, checked
+from ._scene import Scene, chosen_pair
 
 
 class Frame(NamedTuple):
@@ -33,7 +31,7 @@ class Frame(NamedTuple):
 
 
 def trace(
-    scene: "Scene",
+    scene: Scene,
     source: AnyLabel = None,
     listener: AnyLabel = None,
     *,
@@ -66,6 +64,10 @@ def trace(
     -------
     Frame
     """
-    pair = scene._pair(source, listener)
-    found: Any = _echomarch.trace(scene._raw, *pair, waves, iterations, seed, profile, directions)
+    pair = chosen_pair(scene, source, listener)
+    given = checked({"waves": waves, "seed": seed, "profile": profile, "directions": directions})
+    count = _arguments.whole("iterations", "a whole number of iterations", iterations)
+    found: Any = _echomarch.trace(
+        scene._raw, *pair, given["waves"], count, given["seed"], given["profile"], given["directions"]
+    )
     return Frame(**found)

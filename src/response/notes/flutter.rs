@@ -1,12 +1,13 @@
 //! Notes on decays that last longer than Eyring's formula predicts for a diffuse field.
 
-use echomarch::bands::BANDS_HZ;
-use echomarch::response::{Flutter, Response, flutters};
-use echomarch::scene::Scene;
-use echomarch::scene::shape::Room;
+use crate::bands::BANDS_HZ;
+use crate::response::Response;
+use crate::response::diagnosis::{Flutter, flutters};
+use crate::scene::Scene;
+use crate::scene::shape::Room;
 
 /// Returns a sentence for each pair of walls that causes a flutter echo.
-pub fn notes(scene: &Scene, response: &Response) -> Vec<String> {
+pub(super) fn sentences(scene: &Scene, response: &Response) -> Vec<String> {
     let t30_s = response.figures.bands.map(|band| band.t30_s);
     let found = flutters(scene, t30_s);
     found.iter().map(sentence).collect()
@@ -23,7 +24,7 @@ fn sentence(flutter: &Flutter) -> String {
     let figures: Vec<String> = figures.collect();
     let [one, other] = flutter.walls.map(|wall| Room::WALL_NAMES[wall]);
     let scatters = match flutter.nothing_scatters {
-        true => "nothing scatters: write scattering: 0.1 in the scene",
+        true => "nothing scatters: give the scene a scattering, such as 0.1",
         false => "too little scatters: give the walls more scattering",
     };
     format!(

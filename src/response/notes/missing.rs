@@ -1,11 +1,13 @@
 //! Notes on missing figures of a response: the reasons and the remedies.
 
-use echomarch::bands::{BAND_COUNT, BANDS_HZ};
-use echomarch::response::{BandFigures, Figures, Gap, Response, Withheld};
-use echomarch::scene::Scene;
+use crate::bands::{BAND_COUNT, BANDS_HZ};
+use crate::response::diagnosis::Gap;
+use crate::response::figures::Withheld;
+use crate::response::{BandFigures, Figures, Response};
+use crate::scene::Scene;
 
 /// Returns a sentence for each reason why figures are missing, with the affected bands.
-pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
+pub(super) fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
     if response.counts.arrivals == 0 && response.paths.is_empty() {
         // Another note already reports that no sound arrives.
         return Vec::new();
@@ -32,17 +34,17 @@ fn sentence(
     match reason {
         Gap::Silence => format!("nothing arrives {bands}"),
         Gap::TooShort if scene.has_materials() || scene.air.is_some() => format!(
-            "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: use a larger --seconds"
+            "sound continues after {seconds:.2} s {bands}, so figures are missing or inexact there: use a longer record (seconds)"
         ),
         Gap::TooShort => format!(
-            "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
+            "sound continues after {seconds:.2} s {bands}, so figures are missing or inexact there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
         ),
         Gap::NoLateSound => format!(
-            "hardly anything arrives after the first 80 ms, so decay times are not defined (—): {times}"
+            "hardly anything arrives after the first 80 ms, so decay times are not defined: {times}"
         ),
         Gap::TooNoisy => {
             let noisy = too_noisy(&response.figures, of_reason);
-            format!("too noisy (—): {}", noisy.join("; "))
+            format!("too noisy: {}", noisy.join("; "))
         }
     }
 }
@@ -122,15 +124,18 @@ fn cause(withheld: Option<Withheld>, factor: f64) -> String {
     }
 }
 
-/// The figures that do not have this accuracy, with their bands.
-pub fn inaccurate(figures: &Figures, accuracy: f64) -> String {
-    let names = ALL_FIGURES.iter().enumerate();
-    let open = names.filter_map(|(figure, (name, _))| {
-        let open: [bool; BAND_COUNT] =
-            std::array::from_fn(|band| figures.is_accurate(accuracy, band, figure) == Some(false));
-        open.contains(&true).then_some((*name, open, String::new()))
-    });
-    grouped(open).join("; ")
+impl Figures {
+    /// The figures that do not have this accuracy, with their bands: `T20 and T30 at 63 Hz; G in all bands`.
+    #[doc(hidden)]
+    pub fn inaccurate(&self, accuracy: f64) -> String {
+        let names = ALL_FIGURES.iter().enumerate();
+        let open = names.filter_map(|(figure, (name, _))| {
+            let open: [bool; BAND_COUNT] =
+                std::array::from_fn(|band| self.is_accurate(accuracy, band, figure) == Some(false));
+            open.contains(&true).then_some((*name, open, String::new()))
+        });
+        grouped(open).join("; ")
+    }
 }
 
 /// A figure of a frequency band.
