@@ -41,9 +41,26 @@ struct Shared {
     status: Mutex<EarsStatus>,
     #[cfg(feature = "audio")]
     remote: Mutex<Option<PlayerRemote>>,
+    /// The action that waits for the player to play a response.
+    #[cfg(feature = "audio")]
+    when_heard: Mutex<Option<Box<dyn FnOnce() + Send>>>,
     /// Whether a player is waiting for its first response.
     is_waited_for: AtomicBool,
     is_over: AtomicBool,
+}
+
+impl Shared {
+    /// Calls the action that waits for a response if the player has played one.
+    fn act_if_heard(&self) {
+        #[cfg(feature = "audio")]
+        if lock(&self.remote)
+            .as_ref()
+            .is_some_and(PlayerRemote::is_heard)
+            && let Some(act) = lock(&self.when_heard).take()
+        {
+            act();
+        }
+    }
 }
 
 /// The handle of the listening thread. Dropping it ends the thread.
@@ -99,14 +116,10 @@ impl Ears {
         status
     }
 
-    /// Whether the player has played a response. It is false without a player.
-    pub fn is_heard(&self) -> bool {
-        #[cfg(feature = "audio")]
-        return lock(&self.shared.remote)
-            .as_ref()
-            .is_some_and(PlayerRemote::is_heard);
-        #[cfg(not(feature = "audio"))]
-        false
+    /// Calls `act` once, on the listening thread, when the player has played a response.
+    #[cfg(feature = "audio")]
+    pub fn when_heard(&self, act: impl FnOnce() + Send + 'static) {
+        *lock(&self.shared.when_heard) = Some(Box::new(act));
     }
 
     /// Plays the sources of a scene in stereo. If `spec` is a file or a sine, every source plays it; otherwise each
@@ -164,7 +177,13 @@ impl<'a> Looking<'a> {
     }
 
     fn run(mut self) -> Result<(), Error> {
+        let mut rested = Instant::now();
         while !self.shared.is_over.load(Relaxed) {
+            self.shared.act_if_heard();
+            if Instant::now() < rested {
+                thread::sleep(GLANCE);
+                continue;
+            }
             let wanted = lock(&self.shared.wanted).take();
             let Some(wanted) = wanted.filter(|wanted| self.is_new(wanted)) else {
                 thread::sleep(GLANCE);
@@ -176,7 +195,7 @@ impl<'a> Looking<'a> {
                 lock(&self.shared.status).error = Some(error.to_string());
             }
             if self.is_software {
-                thread::sleep(began.elapsed().mul_f64(REST));
+                rested = Instant::now() + began.elapsed().mul_f64(REST);
             }
         }
         Ok(())

@@ -338,7 +338,7 @@ fn a_walk_to_the_source_is_as_loud_as_it_is_traced() {
     println!("recorded {recorded:.1} dB, traced {traced:.1} dB");
     assert!(traced > 3.0, "{far:?} {near:?}");
     assert!(
-        (recorded - traced).abs() < 1.5,
+        (recorded - traced).abs() < 1.0,
         "recorded {recorded} dB, traced {traced} dB"
     );
     assert_eq!(
