@@ -105,15 +105,19 @@ impl Ears {
 
     /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
-        let status = lock(&self.shared.status).clone();
+        EarsStatus {
+            limited_db: self.limited_db(),
+            ..lock(&self.shared.status).clone()
+        }
+    }
+
+    /// The attenuation by the limiter since the last call, in decibels; 0 without a player.
+    fn limited_db(&self) -> f32 {
         #[cfg(feature = "audio")]
         if let Some(remote) = lock(&self.shared.remote).as_ref() {
-            return EarsStatus {
-                limited_db: remote.limited_db(),
-                ..status
-            };
+            return remote.limited_db();
         }
-        status
+        0.0
     }
 
     /// Calls `act` once, on the listening thread, when the player has played a response.
