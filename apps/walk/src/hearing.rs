@@ -297,7 +297,7 @@ impl Hearing {
         }
         let mut how = how.clone();
         how.trace.waves = how.trace.waves.min(LEAST_LATE_WAVES);
-        let gain = scene_gain::of_scene(&mut self.tracer, scene, LISTENER, &how)?;
+        let gain = scene_gain::of_scene(&mut self.tracer, scene, LISTENER, &how, LONGEST_S)?;
         self.gain = Some(gain);
         Ok(gain)
     }

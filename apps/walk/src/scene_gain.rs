@@ -1,7 +1,6 @@
 //! The gain of a scene's sound: it keeps the loudest places within full scale, and stays the same throughout a walk, so
 //! that differences of level are heard.
 
-use super::hearing::LONGEST_S;
 use echomarch::Error;
 use echomarch::response::{HeardSource, PathKind, Response, ResponseSettings};
 use echomarch::scene::{Pair, Scene};
@@ -32,8 +31,8 @@ const LENGTH_S: f64 = 0.5;
 /// Returns the gain of a scene, an amplitude factor. It is computed from a response of each source near it: at a quarter
 /// of the way to the listener or 1 m away, whichever is farther, or at half of the clear way if a surface is nearer.
 ///
-/// Without any absorption the responses have the greatest length, because a room then fills with sound. The loudest place
-/// is taken to have the loudest direct sound of one source, and all other sound of all sources.
+/// Without any absorption the responses have the length `longest_s` in seconds, because a room then fills with sound. The
+/// loudest place is taken to have the loudest direct sound of one source, and all other sound of all sources.
 ///
 /// # Errors
 /// The errors of [`Response::trace`].
@@ -42,10 +41,11 @@ pub fn of_scene(
     scene: &Scene,
     listener: usize,
     settings: &ResponseSettings,
+    longest_s: f64,
 ) -> Result<f32, Error> {
     let seconds = match scene.has_materials() || scene.air.is_some() {
         true => LENGTH_S,
-        false => LONGEST_S,
+        false => longest_s,
     };
     let settings = settings.clone().with_order(1).with_seconds(seconds);
     let (mut direct, mut others) = (0.0_f64, 0.0);
@@ -103,12 +103,15 @@ mod tests {
     use super::*;
     use echomarch::gl::{Context, ContextOptions};
 
+    /// Length in seconds of the responses in a scene without absorption.
+    const LONGEST_S: f64 = 2.0;
+
     fn gain_db(scene: &str) -> f64 {
         let scene = Scene::from_ron(scene, "s").unwrap();
         let mut tracer =
             Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
         let settings = ResponseSettings::default().with_late_waves(1024);
-        20.0 * f64::from(of_scene(&mut tracer, &scene, 0, &settings).unwrap()).log10()
+        20.0 * f64::from(of_scene(&mut tracer, &scene, 0, &settings, LONGEST_S).unwrap()).log10()
     }
 
     fn open(distance: f32) -> String {
@@ -142,7 +145,7 @@ mod tests {
             Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
         let settings = ResponseSettings::default().with_late_waves(1024);
         let settings = settings.with_seconds(LONGEST_S);
-        let gain = f64::from(of_scene(&mut tracer, &scene, 0, &settings).unwrap());
+        let gain = f64::from(of_scene(&mut tracer, &scene, 0, &settings, LONGEST_S).unwrap());
         let pair = scene.pair(0, 0).unwrap();
         let response = Response::trace(&mut tracer, pair, &settings).unwrap();
         let strength_db = HeardSource::of(&response).level_db.unwrap();
