@@ -404,15 +404,15 @@ fn file_of(name: &str, folder: &path::Path) -> Option<String> {
     known.find(|file| folder.join(file).is_file())
 }
 
-/// The built-in scene whose name is most similar to `name`, or starts with `name` or contains it as a word.
+/// The built-in scene whose name is most similar to `name`, or starts with it. Other parts of a name, such as `room`, are
+/// kinds of scenes more than names.
 fn nearest(name: &str) -> Option<&'static str> {
+    /// A shorter beginning says too little.
+    const SHORTEST_BEGINNING: usize = 3;
     let plain = name.to_lowercase().replace([' ', '_'], "-");
-    let has = |known: &&str| {
-        let is_part = plain.len() >= 3 && known.starts_with(&plain);
-        is_part || known.split('-').any(|word| word == plain)
-    };
+    let begins = |known: &&str| plain.len() >= SHORTEST_BEGINNING && known.starts_with(&plain);
     let mistyped = crate::text::nearest(name, Scene::BUILTIN_NAMES);
-    mistyped.or_else(|| Scene::BUILTIN_NAMES.into_iter().find(has))
+    mistyped.or_else(|| Scene::BUILTIN_NAMES.into_iter().find(begins))
 }
 
 /// A clause that suggests the built-in scene with the name of a missing file; empty if there is no such scene.
@@ -453,7 +453,9 @@ mod tests {
             ("open_field", Some("open-field")),
             ("openfield", Some("open-field")),
             ("whispering", Some("whispering-gallery")),
-            ("mirrors", Some("parabolic-mirrors")),
+            ("parabolic", Some("parabolic-mirrors")),
+            ("mirrors", None),
+            ("room", None),
             ("trumpet", None),
             ("x", None),
         ] {

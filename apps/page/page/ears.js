@@ -15,6 +15,8 @@ let scene = 0;
 // The current state of the scene, and the last state that could not be traced.
 let latest = null;
 let refused = null;
+// The scene to trace before the sound is started.
+let toPrepare = null;
 // The next scheduled trace: its timer and its time.
 let timer = 0;
 let next = Infinity;
@@ -37,13 +39,34 @@ function fail(why) {
   postMessage({ failed: why });
 }
 
-function begin(data) {
-  mix = data.mix;
+// Opens a context for the ears.
+function open() {
   const canvas = typeof OffscreenCanvas === "undefined" ? null : new OffscreenCanvas(1, 1);
   const gl = canvas?.getContext("webgl2", { antialias: false, depth: false, alpha: false });
   if (!gl) throw new Error("this browser has no WebGL 2 in workers");
   canvas.addEventListener("webglcontextlost", () => fail("the graphics driver has discarded the context for full listening"));
-  ears = new EarsOfPage(gl, data.rate);
+  ears = new EarsOfPage(gl);
+}
+
+// Traces the last scene that was sent before the sound is started, so that its programs are compiled and its gain is
+// known. A failure is reported when the sound starts.
+function prepare() {
+  const { text, name, standing } = toPrepare;
+  toPrepare = null;
+  if (mix) return;
+  try {
+    if (!ears) open();
+    ears.set_scene(text, name);
+    trace(standing).forEach((heard) => heard.free());
+  } catch {
+    ears = null;
+  }
+}
+
+function begin(data) {
+  mix = data.mix;
+  if (!ears) open();
+  ears.set_rate(data.rate);
   mix.onmessage = ({ data: played }) => guarded(() => follow(played));
 }
 
@@ -88,11 +111,15 @@ function look() {
   due(IDLE);
 }
 
+// Traces each source in a state of the scene. Returns the changed responses.
+function trace({ names, values, seconds, listener, source, profile, waves, parts }) {
+  ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
+  return ears.hear(names, values, seconds, listener, source, profile, waves);
+}
+
 // Traces each source and sends the changes to the mix. Returns the number of changed sources.
 function hear() {
-  const { names, values, seconds, listener, source, profile, waves, parts } = latest;
-  ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
-  const all = ears.hear(names, values, seconds, listener, source, profile, waves);
+  const all = trace(latest);
   for (const heard of all) {
     tell(heard);
   }
@@ -127,7 +154,10 @@ async function take(data) {
     return;
   }
   guarded(() => {
-    if (data.mix) {
+    if (data.prepare) {
+      if (!toPrepare) setTimeout(prepare);
+      toPrepare = data.prepare;
+    } else if (data.mix) {
       begin(data);
     } else if (ears) {
       latest = data;

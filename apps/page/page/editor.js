@@ -36,6 +36,8 @@ export function showError(message) {
   }
   if (message) {
     $("editor").open = true;
+    // Text and error are visible together, or at least the error on a low screen.
+    $("editor").scrollIntoView({ block: "nearest" });
     box.scrollIntoView({ block: "nearest" });
   }
   showLines();

@@ -1,10 +1,13 @@
 // The page's sound. This class starts and stops the sound, sends the choices and the state of the scene to the workers,
 // and stores the messages of the workers.
 
-import { Sound } from "./sound.js";
+import { Sound, prepareEars } from "./sound.js";
 
 // Level in decibels when no sound is played.
 const SILENCE_DB = -120;
+// Longest time that the page's waves wait for the first response of a scene, in milliseconds: as long as a response with
+// few waves usually takes on a software renderer.
+const ALONE_MS = 2000;
 
 const $ = (id) => document.getElementById(id);
 
@@ -27,6 +30,8 @@ export class Listening {
     this.gaps = 0;
     // Whether the scene is heard: a response or the pan of its balance is played.
     this.isHeard = false;
+    // The time at which the scene was given to the sound.
+    this.began = 0;
     // The last state of the scene that was sent to the ears.
     this.stood = "";
     this.forget();
@@ -58,8 +63,22 @@ export class Listening {
     // The sources belong to the previous scene.
     this.forgetSources();
     this.isHeard = false;
+    this.began = performance.now();
     this.showPlay();
     this.sound?.play(shown.text, shown.name, this.state.sound);
+    this.prepare();
+  }
+
+  // Lets the ears trace the scene before the sound is started.
+  prepare() {
+    if (this.sound || !this.isFull() || this.state.profile === "thesis") return;
+    prepareEars({ ...this.shown, standing: this.standing() });
+  }
+
+  // Whether the ears compute the first response of a scene. They share the graphics card with the page's waves, which
+  // wait for this time.
+  isComputing() {
+    return this.sound?.isRunning() && this.isFull() && !this.isHeard && performance.now() - this.began < ALONE_MS;
   }
 
   // Sends the choices to the mix.
@@ -80,16 +99,22 @@ export class Listening {
       JSON.stringify(this.state.parts), this.state.least].join();
     if (now === this.stood) return;
     this.stood = now;
-    this.sound.stand({
+    this.sound.stand(this.standing());
+  }
+
+  // The state of the scene for the ears.
+  standing() {
+    const page = this.page;
+    return {
       names: page.value_names(),
-      values: values.filter((_, index) => index % 4 === 0),
+      values: page.values().filter((_, index) => index % 4 === 0),
       seconds: page.seconds(),
-      listener,
-      source: sources.slice(0, 3),
+      listener: page.listener(),
+      source: page.sources().slice(0, 3),
       profile: this.state.profile,
       waves: this.state.waves,
       parts: { ...this.state.parts, least: leastOf(this.state.least) },
-    });
+    };
   }
 
   // The button's action: starts the sound, stops it, or resumes it.

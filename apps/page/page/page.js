@@ -269,7 +269,7 @@ function picture(now) {
   moves[1] += stick.right;
   page.pass(moves, keys.runs, passedUntil(now) / 1000);
   const began = performance.now();
-  if (page.trace(WAVES_MS)) listening.hear();
+  if (!listening.isComputing() && page.trace(WAVES_MS)) listening.hear();
   const traced = performance.now();
   resize();
   const isNew = page.draw(canvas.width, canvas.height, SCALES[scale]);
@@ -481,6 +481,7 @@ async function begin() {
   canvas.focus();
   requestAnimationFrame(loop);
   prepare();
+  listening.prepare();
   // Access for tests and for the browser's console.
   window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels,
     paths: () => listening.paths, isHeard: () => listening.isHeard, named: () => plan.named, address };

@@ -35,6 +35,11 @@ export function prepare() {
   }
 }
 
+// Lets the ears trace a scene before the click: its text, its name and its state.
+export function prepareEars(scene) {
+  prepared.get("ears")?.postMessage({ prepare: scene });
+}
+
 export class Sound {
   // Starts the sound. This function must be called from a click handler, because browsers play no sound before a click.
   // `told` receives the name of a part ("mix", "ears", "player") and its message.

@@ -9,6 +9,9 @@ use echomarch_walk::{Ears, HeardMessage, Parts, WalkState, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
+/// Sample rate of responses before the rate of the mix is known, which are not played.
+const USUAL_RATE_HZ: u32 = 48_000;
+
 /// Traces full listening on an off-screen canvas.
 #[wasm_bindgen]
 pub struct EarsOfPage {
@@ -27,22 +30,31 @@ pub struct HeardByPage {
 
 #[wasm_bindgen]
 impl EarsOfPage {
-    /// Creates ears on the context of a worker, for a mix with the sample rate `rate_hz`.
+    /// Creates ears on the context of a worker. `set_rate` must be called before their responses are played.
     #[wasm_bindgen(constructor)]
-    pub fn new(gl: WebGl2RenderingContext, rate_hz: u32) -> Result<EarsOfPage, JsError> {
+    pub fn new(gl: WebGl2RenderingContext) -> Result<EarsOfPage, JsError> {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
         Ok(EarsOfPage {
             ears: Ears::new(&context).map_err(thrown)?,
             parts: Parts::default(),
             base: None,
             is_new_mix: true,
-            rate_hz,
+            rate_hz: USUAL_RATE_HZ,
         })
+    }
+
+    /// Sets the sample rate of the mix.
+    pub fn set_rate(&mut self, rate_hz: u32) {
+        self.rate_hz = rate_hz;
     }
 
     /// Sets the scene for a new mix.
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
-        self.base = Some(scene(text, name)?);
+        let base = scene(text, name)?;
+        if self.base.as_ref() != Some(&base) {
+            self.ears.forget_gain();
+        }
+        self.base = Some(base);
         self.is_new_mix = true;
         Ok(())
     }

@@ -56,6 +56,11 @@ impl Ears {
         Ok(messages)
     }
 
+    /// Chooses the gain of the sound again at the next trace, because the scene was edited.
+    pub fn forget_gain(&mut self) {
+        self.hearing.forget_gain();
+    }
+
     /// The level of each source in the last trace.
     pub fn sources(&self) -> &[HeardSource] {
         &self.status.sources

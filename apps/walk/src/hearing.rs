@@ -18,12 +18,17 @@ use echomarch::{Error, bands};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an expensive scene. A response of this length contains the first echoes of a room.
+/// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an
+/// expensive scene. A response of this length contains the first echoes of a room.
 const FIRST_LENGTH_S: f64 = 0.25;
 
-/// Number of waves for early arrivals in the first trace of a scene without marched fields: the sound begins early, and
-/// later traces find the remaining paths.
+/// Maximum number of waves for early arrivals in the first trace of a scene, and in each trace that a new player waits
+/// for: the sound begins early, and later traces find the remaining paths.
 const FIRST_WAVES: u32 = 2048;
+
+/// Maximum length, in seconds, of a response that a new player waits for. It contains the echoes and the beginning of the
+/// reverberation; the next trace has the whole length.
+const FIRST_SOUND_S: f64 = 0.5;
 
 /// Typical number of waves in an estimate of the response length.
 const ESTIMATE_WAVES: f64 = 4096.0;
@@ -98,6 +103,8 @@ pub struct Hearing {
     gain: Option<f32>,
     /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
+    /// Whether the last response was shorter than its length, because a player waited for it.
+    is_cut: bool,
     /// The profile of the last trace.
     profile: Option<Profile>,
     /// Tracing time per wave and per second of response, in seconds; `None` before the first trace of a scene with
@@ -143,6 +150,7 @@ impl Hearing {
             scene: None,
             gain: None,
             length: None,
+            is_cut: false,
             profile: None,
             cost: Some(0.0),
             early_waves: FIRST_WAVES,
@@ -154,8 +162,9 @@ impl Hearing {
         })
     }
 
-    /// Whether a new trace is due. A trace is due if the scene or the choice of parts has changed since the last trace, if a new player waits,
-    /// if the late part is missing, or if the last trace had far fewer waves than its time limit allows.
+    /// Whether a new trace is due. A trace is due if the scene or the choice of parts has changed since the last trace, if
+    /// a new player waits, if the late part is missing, or if the last trace had far fewer waves than its time limit
+    /// allows.
     pub fn is_new(
         &self,
         scene: &Scene,
@@ -168,6 +177,7 @@ impl Hearing {
         let early = self.early_waves.min(settings.waves);
         let is_rough = self.late_waves >= 2 * self.late_waves_heard
             || early >= 2 * self.early_waves_heard.max(1)
+            || self.is_cut
             || self.length.is_none() && self.allows_estimate();
         let lacks_late = self.last_late < Some(self.last_look) || is_rough;
         let lacks_late = lacks_late && self.late_is_due();
@@ -196,8 +206,11 @@ impl Hearing {
         let glide_s = since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S);
         let is_late_due = is_waited_for || self.late_is_due();
         self.begin_small(scene, settings);
-        let seconds = self.length_s(scene, settings)?;
-        let how = response_settings(settings, self.early_waves)
+        let (early, seconds) = match is_waited_for {
+            true => (self.early_waves.min(FIRST_WAVES), self.first_length_s()),
+            false => (self.early_waves, self.length_s(scene, settings)?),
+        };
+        let how = response_settings(settings, early)
             .with_seconds(seconds)
             .with_late_waves(self.late_waves);
         let how = parts.choose(how);
@@ -239,12 +252,13 @@ impl Hearing {
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
         let took = TraceTime::new(tracing.elapsed().saturating_sub(on_late), diffraction_ms);
+        self.is_cut = is_waited_for && self.length.is_some_and(|(whole, _)| seconds < whole);
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
         self.cost = Some(took.waves.as_secs_f64() / (f64::from(self.late_waves) * seconds));
         self.early_waves_heard = status.waves;
-        self.early_waves = early_waves(self.early_waves, took);
+        self.early_waves = early_waves(early, took);
         self.late_waves = late_waves(self.late_waves, took);
         self.last_look = Instant::now();
         if is_late_due {
@@ -252,6 +266,11 @@ impl Hearing {
         }
         self.scene = Some((scene.clone(), *parts));
         Ok(status)
+    }
+
+    /// Chooses the gain again at the next trace, because the scene was edited.
+    pub fn forget_gain(&mut self) {
+        self.gain = None;
     }
 
     /// Starts another scene or profile with few waves if it has marched surfaces, because the tracing time is unknown.
@@ -278,7 +297,7 @@ impl Hearing {
         }
         let mut how = how.clone();
         how.trace.waves = how.trace.waves.min(LEAST_LATE_WAVES);
-        let gain = scene_gain::of_scene(&mut self.tracer, scene, LISTENER, &how)?;
+        let gain = scene_gain::of_scene(&mut self.tracer, scene, LISTENER, &how, LONGEST_S)?;
         self.gain = Some(gain);
         Ok(gain)
     }
@@ -288,6 +307,16 @@ impl Hearing {
         let foreseen = |cost: f64| cost * ESTIMATE_WAVES * LONGEST_S;
         self.cost
             .is_some_and(|cost| foreseen(cost) <= LONGEST_ESTIMATE_S)
+    }
+
+    /// Length of a response that a new player waits for, in seconds. No estimate delays it.
+    fn first_length_s(&self) -> f64 {
+        match (self.length, self.cost) {
+            (Some((seconds, _)), _) => seconds.min(FIRST_SOUND_S),
+            (None, Some(cost)) if self.allows_estimate() => length_of_dear(cost).min(FIRST_SOUND_S),
+            (None, Some(cost)) => length_of_dear(cost),
+            (None, None) => FIRST_LENGTH_S,
+        }
     }
 
     /// Length of the responses, in seconds. The length is estimated every few seconds, unless the estimate would take

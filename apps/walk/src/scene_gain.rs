@@ -25,13 +25,14 @@ const NEAR_SHARE: f32 = 0.25;
 /// The strength *G* in decibels of the direct sound at 1 m: it is relative to the direct sound at 10 m.
 const STRENGTH_AT_1_M_DB: f64 = 20.0;
 
-/// Length in seconds of the responses for the gain: it contains nearly all energy of a room.
+/// Length in seconds of the responses for the gain: it contains nearly all energy of a usual room.
 const LENGTH_S: f64 = 0.5;
 
 /// Returns the gain of a scene, an amplitude factor. It is computed from a response of each source near it: at a quarter
 /// of the way to the listener or 1 m away, whichever is farther, or at half of the clear way if a surface is nearer.
 ///
-/// The loudest place is taken to have the loudest direct sound of one source, and all other sound of all sources.
+/// Without any absorption the responses have the length `longest_s` in seconds, because a room then fills with sound. The
+/// loudest place is taken to have the loudest direct sound of one source, and all other sound of all sources.
 ///
 /// # Errors
 /// The errors of [`Response::trace`].
@@ -40,8 +41,13 @@ pub fn of_scene(
     scene: &Scene,
     listener: usize,
     settings: &ResponseSettings,
+    longest_s: f64,
 ) -> Result<f32, Error> {
-    let settings = settings.clone().with_order(1).with_seconds(LENGTH_S);
+    let seconds = match scene.has_materials() || scene.air.is_some() {
+        true => LENGTH_S,
+        false => longest_s,
+    };
+    let settings = settings.clone().with_order(1).with_seconds(seconds);
     let (mut direct, mut others) = (0.0_f64, 0.0);
     for source in 0..scene.sources.len() {
         let pair = scene.pair(source, listener)?;
@@ -97,12 +103,15 @@ mod tests {
     use super::*;
     use echomarch::gl::{Context, ContextOptions};
 
+    /// Length in seconds of the responses in a scene without absorption.
+    const LONGEST_S: f64 = 2.0;
+
     fn gain_db(scene: &str) -> f64 {
         let scene = Scene::from_ron(scene, "s").unwrap();
         let mut tracer =
             Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
         let settings = ResponseSettings::default().with_late_waves(1024);
-        20.0 * f64::from(of_scene(&mut tracer, &scene, 0, &settings).unwrap()).log10()
+        20.0 * f64::from(of_scene(&mut tracer, &scene, 0, &settings, LONGEST_S).unwrap()).log10()
     }
 
     fn open(distance: f32) -> String {
@@ -125,6 +134,23 @@ mod tests {
                 "{distance} m: {found} dB, not {expected} dB"
             );
         }
+    }
+
+    /// Protects a room without absorption, which fills with sound for the whole length of its responses: a place in it is
+    /// at most as loud as the place of the gain, except for noise.
+    #[test]
+    fn a_room_without_absorption_does_not_exceed_its_gain() {
+        let scene = Scene::builtin("corner").unwrap();
+        let mut tracer =
+            Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
+        let settings = ResponseSettings::default().with_late_waves(1024);
+        let settings = settings.with_seconds(LONGEST_S);
+        let gain = f64::from(of_scene(&mut tracer, &scene, 0, &settings, LONGEST_S).unwrap());
+        let pair = scene.pair(0, 0).unwrap();
+        let response = Response::trace(&mut tracer, pair, &settings).unwrap();
+        let strength_db = HeardSource::of(&response).level_db.unwrap();
+        let level_db = strength_db - STRENGTH_AT_1_M_DB + 20.0 * gain.log10();
+        assert!(level_db < LOUDEST_DB + 1.0, "{level_db} dB");
     }
 
     /// Protects a reverberant room from the limiter: its gain is lower than in the open, by the energy of its echoes, and

@@ -41,9 +41,26 @@ struct Shared {
     status: Mutex<EarsStatus>,
     #[cfg(feature = "audio")]
     remote: Mutex<Option<PlayerRemote>>,
+    /// The action that waits for the player to play a response.
+    #[cfg(feature = "audio")]
+    when_heard: Mutex<Option<Box<dyn FnOnce() + Send>>>,
     /// Whether a player is waiting for its first response.
     is_waited_for: AtomicBool,
     is_over: AtomicBool,
+}
+
+impl Shared {
+    /// Calls the action that waits for a response if the player has played one.
+    fn act_if_heard(&self) {
+        #[cfg(feature = "audio")]
+        if lock(&self.remote)
+            .as_ref()
+            .is_some_and(PlayerRemote::is_heard)
+            && let Some(act) = lock(&self.when_heard).take()
+        {
+            act();
+        }
+    }
 }
 
 /// The handle of the listening thread. Dropping it ends the thread.
@@ -88,25 +105,25 @@ impl Ears {
 
     /// The status of the thread.
     pub fn status(&self) -> EarsStatus {
-        let status = lock(&self.shared.status).clone();
-        #[cfg(feature = "audio")]
-        if let Some(remote) = lock(&self.shared.remote).as_ref() {
-            return EarsStatus {
-                limited_db: remote.limited_db(),
-                ..status
-            };
+        EarsStatus {
+            limited_db: self.limited_db(),
+            ..lock(&self.shared.status).clone()
         }
-        status
     }
 
-    /// Whether the player has played a response. It is false without a player.
-    pub fn is_heard(&self) -> bool {
+    /// The attenuation by the limiter since the last call, in decibels; 0 without a player.
+    fn limited_db(&self) -> f32 {
         #[cfg(feature = "audio")]
-        return lock(&self.shared.remote)
-            .as_ref()
-            .is_some_and(PlayerRemote::is_heard);
-        #[cfg(not(feature = "audio"))]
-        false
+        if let Some(remote) = lock(&self.shared.remote).as_ref() {
+            return remote.limited_db();
+        }
+        0.0
+    }
+
+    /// Calls `act` once, on the listening thread, when the player has played a response.
+    #[cfg(feature = "audio")]
+    pub fn when_heard(&self, act: impl FnOnce() + Send + 'static) {
+        *lock(&self.shared.when_heard) = Some(Box::new(act));
     }
 
     /// Plays the sources of a scene in stereo. If `spec` is a file or a sine, every source plays it; otherwise each
@@ -164,7 +181,13 @@ impl<'a> Looking<'a> {
     }
 
     fn run(mut self) -> Result<(), Error> {
+        let mut rested = Instant::now();
         while !self.shared.is_over.load(Relaxed) {
+            self.shared.act_if_heard();
+            if Instant::now() < rested {
+                thread::sleep(GLANCE);
+                continue;
+            }
             let wanted = lock(&self.shared.wanted).take();
             let Some(wanted) = wanted.filter(|wanted| self.is_new(wanted)) else {
                 thread::sleep(GLANCE);
@@ -176,7 +199,7 @@ impl<'a> Looking<'a> {
                 lock(&self.shared.status).error = Some(error.to_string());
             }
             if self.is_software {
-                thread::sleep(began.elapsed().mul_f64(REST));
+                rested = Instant::now() + began.elapsed().mul_f64(REST);
             }
         }
         Ok(())

@@ -40,8 +40,5 @@ impl App {
             self.speaker.play_in_full(ears, scene, &wanted.sound);
             self.in_full = Some(wanted);
         }
-        if ears.is_heard() {
-            self.speaker.begin();
-        }
     }
 }

@@ -12,6 +12,9 @@ use echomarch::scene::Scene;
 use echomarch::tracer::Panning;
 use serde::Serialize;
 use std::path::Path;
+#[cfg(feature = "audio")]
+use std::sync::Weak;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The sounds that can be chosen in the window, besides the sound given at the start.
 pub const SOUNDS: [&str; 5] = ["speech", "noise", "sine:220", "sine:440", "sine:880"];
@@ -44,17 +47,57 @@ pub struct SoundStatus {
 /// The sound output.
 pub struct Speaker {
     law: PanningLaw,
-    volume: f32,
     panning: Panning,
     /// Whether full listening is played.
     is_in_full: bool,
-    /// Whether the first response, or the first frame of waves, is known. The volume is 0 before.
-    has_begun: bool,
+    volume: Arc<Volume>,
     /// The last pan of the played levels.
     #[cfg(feature = "audio")]
     played_pan: Option<f32>,
     #[cfg(feature = "audio")]
-    live: Option<Live>,
+    live: Option<Arc<Live>>,
+}
+
+/// The loudness of the output. The first response opens it from the thread of the ears, because the first picture takes
+/// seconds on a software renderer.
+struct Volume {
+    #[cfg(feature = "audio")]
+    live: Option<Weak<Live>>,
+    state: Mutex<VolumeState>,
+}
+
+#[derive(Clone, Copy)]
+struct VolumeState {
+    /// Whether the first response, or the first frame of waves, is known. The output is silent before.
+    has_begun: bool,
+    /// The chosen loudness, 0 to 1.
+    chosen: f32,
+}
+
+impl Volume {
+    fn state(&self) -> VolumeState {
+        *self.lock()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, VolumeState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the state, and passes the loudness to the device once the sound has begun.
+    fn change(&self, change: impl FnOnce(&mut VolumeState)) {
+        let mut state = self.lock();
+        change(&mut state);
+        #[cfg(feature = "audio")]
+        if state.has_begun
+            && let Some(live) = self.live.as_ref().and_then(Weak::upgrade)
+        {
+            live.set_volume(state.chosen);
+        }
+    }
+
+    fn begin(&self) {
+        self.change(|state| state.has_begun = true);
+    }
 }
 
 /// The level below which the balance of both channels is not shown, 0 to 1: −60 dB.
@@ -64,24 +107,31 @@ const SILENT_LEVEL: f32 = 1e-3;
 impl Speaker {
     /// Starts the sound. This call never fails: without a device the window is silent and reports the reason.
     pub fn start(options: &DemoOptions) -> Speaker {
+        #[cfg(feature = "audio")]
+        let live = start(options).map(Arc::new);
         Speaker {
             law: law_of(options),
-            volume: options.volume,
             panning: Panning::default(),
             is_in_full: false,
-            has_begun: false,
+            volume: Arc::new(Volume {
+                #[cfg(feature = "audio")]
+                live: live.as_ref().map(Arc::downgrade),
+                state: Mutex::new(VolumeState {
+                    has_begun: false,
+                    chosen: options.volume,
+                }),
+            }),
             #[cfg(feature = "audio")]
             played_pan: None,
             #[cfg(feature = "audio")]
-            live: start(options),
+            live,
         }
     }
 
     /// Fades the sound in, because it is known where it comes from.
-    pub fn begin(&mut self) {
-        if !self.has_begun {
-            self.has_begun = true;
-            self.set_volume(self.volume);
+    pub fn begin(&self) {
+        if !self.volume.state().has_begun {
+            self.volume.begin();
         }
     }
 
@@ -98,7 +148,10 @@ impl Speaker {
             }
             return self.played_pan;
         }
-        self.has_begun.then(|| self.panning.pan() as f32)
+        self.volume
+            .state()
+            .has_begun
+            .then(|| self.panning.pan() as f32)
     }
 
     /// The law of the played channels.
@@ -129,12 +182,8 @@ impl Speaker {
     }
 
     /// Sets the loudness, 0 to 1.
-    pub fn set_volume(&mut self, volume: f32) {
-        self.volume = volume;
-        #[cfg(feature = "audio")]
-        if let Some(live) = self.live.as_ref().filter(|_| self.has_begun) {
-            live.set_volume(volume);
-        }
+    pub fn set_volume(&self, volume: f32) {
+        self.volume.change(|state| state.chosen = volume);
     }
 
     /// Changes the sound.
@@ -151,14 +200,17 @@ impl Speaker {
         Ok(())
     }
 
-    /// Plays the sources of a scene in full listening, instead of one sound with its pan.
+    /// Plays the sources of a scene in full listening, instead of one sound with its pan. The first response begins the
+    /// sound.
     pub fn play_in_full(&mut self, ears: &Ears, scene: &Scene, sound: &str) {
         self.is_in_full = true;
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
             && let Ok(spec) = sound.parse()
         {
+            let volume = Arc::clone(&self.volume);
             live.set_stereo(Some(ears.source(scene, &spec)));
+            ears.when_heard(move || volume.begin());
         }
         // Without the feature `audio`, the window is silent.
         let _ = (ears, scene, sound);
@@ -182,7 +234,7 @@ impl Speaker {
             return live.levels();
         }
         let gains = self.law.gains(self.panning.pan() as f32);
-        [gains.left, gains.right].map(|gain| gain * self.volume)
+        [gains.left, gains.right].map(|gain| gain * self.volume.state().chosen)
     }
 
     /// The status of the sound.

@@ -133,7 +133,10 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     let parts = responses(&job, &settings);
     let take = |block: Block<[HeardSource]>| {
         if lines.is_empty() {
-            job.note_dear(parts, waves, began.elapsed().as_secs_f64(), &bar);
+            // The first block of a moving scene needs the responses of both ends of a slot.
+            let traced = parts.count.min(2) as f64;
+            let seconds = began.elapsed().as_secs_f64() / traced;
+            job.note_dear(parts, waves, seconds, &bar);
         }
         samples.clear();
         samples.extend(block.samples.iter().map(|sample| sample * gain));
