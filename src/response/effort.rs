@@ -207,7 +207,12 @@ impl Effort {
 /// The length in seconds of the onset of a pair's record, and the time of its waves relative to waves that are followed
 /// to the end ([`Onset::of_record`]).
 fn onset(pair: Pair, settings: &ResponseSettings, seconds: f64) -> Option<(f64, f64)> {
-    Onset::of_record(pair, settings, Medium::of(pair).direct_s, seconds)
+    Onset::of_record(
+        pair,
+        settings.trace.directions,
+        Medium::of(pair).direct_s,
+        seconds,
+    )
 }
 
 /// The demands of a response's figures, and the relative time of a wave of the onset.

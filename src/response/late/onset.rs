@@ -9,7 +9,6 @@
 
 use super::Heard;
 use crate::bands::Bands;
-use crate::response::ResponseSettings;
 use crate::scene::Pair;
 use crate::shader::{self, Materials};
 use crate::tracer::{ArrivalSettings, Directions};
@@ -39,13 +38,13 @@ impl Onset {
     /// and the source must radiate evenly, or else its directivity decides.
     pub fn of_record(
         pair: Pair,
-        settings: &ResponseSettings,
+        directions: Directions,
         direct_s: f64,
         seconds: f64,
     ) -> Option<(f64, f64)> {
         let scatters = |bands: &Range<usize>| Materials::of(pair.scene, bands.clone()).scatter();
         let starts_evenly = pair.source.directivity.is_omnidirectional()
-            && settings.trace.directions == Directions::Random
+            && directions == Directions::Random
             && shader::band_groups(pair.scene).iter().all(scatters);
         let length_s = (Onset::SHARE * seconds).max(LEAST_S);
         let share = (direct_s + length_s) / seconds;
