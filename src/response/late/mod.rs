@@ -210,15 +210,16 @@ fn add_arrivals(
         // These waves are also the waves of early arrivals, whose directions the settings determine.
         false => late.follow(&waves, &WavesToFollow::Numbers(0..waves.waves), None)?,
     };
+    let mut counts = followed.counts();
     if let Some(onset) = settings.onset {
-        late.refine(onset, &waves)?;
+        counts.step_limit_reached += late.refine(onset, &waves)?;
     }
     if let Some(near) = near {
         for (near, found) in near.listeners.iter().zip(found) {
             near.add_to(&mut found.sums.echogram, &mut found.bias);
         }
     }
-    Ok((followed.counts(), travel_on))
+    Ok((counts, travel_on))
 }
 
 /// Sound scattered after few reflections, at all listeners.
@@ -360,8 +361,9 @@ impl LateWaves<'_> {
         Ok(Importance::refined(&pilot, &directions))
     }
 
-    /// Follows further waves through the onset, after the waves of these settings were followed to the end.
-    fn refine(&mut self, onset: Onset, trace: &Settings) -> Result<(), Error> {
+    /// Follows further waves through the onset, after the waves of these settings were followed to the end. Returns the
+    /// number of further waves that were lost at the step limit.
+    fn refine(&mut self, onset: Onset, trace: &Settings) -> Result<u64, Error> {
         let none = |(one, found): (&Heard, &Arrivals)| {
             Arrivals::none(&one.late, found.sums.echogram.without_arrivals())
         };
@@ -377,7 +379,8 @@ impl LateWaves<'_> {
             near: Some(&mut near),
         };
         let numbers = WavesToFollow::Numbers(trace.waves..onset.waves);
-        further.follow(&trace.clone().with_waves(onset.waves), &numbers, None)?;
+        let trace_of_onset = trace.clone().with_waves(onset.waves);
+        let followed = further.follow(&trace_of_onset, &numbers, None)?;
         let shares = onset.shares(trace.waves, &self.how.bands);
         for (index, one) in self.heard.iter().enumerate() {
             let sums = &mut self.found[index].sums;
@@ -389,7 +392,7 @@ impl LateWaves<'_> {
                     .refine_before(until, &shares, &near[index].wide);
             }
         }
-        Ok(())
+        Ok(followed.counts.step_limit_reached)
     }
 
     fn follow(
