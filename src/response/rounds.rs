@@ -37,7 +37,8 @@ pub(super) fn trace(
     let seconds = settings.seconds_of_pairs(tracer, listeners.pairs())?;
     let mut next = Effort::first(listeners.pairs(), settings, accuracy, seconds);
     for round in 1.. {
-        let of_round = next.settings(open.pairs(), settings);
+        next = next.of_pairs(open.pairs(), settings);
+        let of_round = next.settings(settings);
         let before_s = began.elapsed().as_secs_f64();
         let mut responses = open.trace(tracer, &of_round, next.seconds)?;
         let elapsed_s = began.elapsed().as_secs_f64();
@@ -51,6 +52,9 @@ pub(super) fn trace(
                 .collect(),
         };
         let all = further.iter().flatten().copied().reduce(Effort::and);
+        let iterations = responses.iter().map(|response| response.counts.iterations);
+        let most_iterations = iterations.max().unwrap_or(0);
+        let all = all.map(|wanted| wanted.within(next, most_iterations, accuracy));
         let all = all.and_then(|wanted| match accuracy.time_limit_s {
             Some(limit_s) => wanted.fitting(limit_s - elapsed_s, next, elapsed_s - before_s),
             None => Some(wanted),

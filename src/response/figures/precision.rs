@@ -67,6 +67,17 @@ impl Demand {
         }
     }
 
+    /// The variance relative to the allowed variance that is left if the waves of the onset grow by `onset` and the
+    /// followed waves by `followed`; more than 1 also if the figure is not reported.
+    pub fn left(&self, onset: f64, followed: f64) -> f64 {
+        if !self.least.is_finite() {
+            return 0.0;
+        }
+        let early = self.onset_share * self.noise / onset;
+        let late = (1.0 - self.onset_share) * self.noise / followed;
+        (early + late).max(self.least / followed)
+    }
+
     /// The factor of the waves of the onset that fulfils the demand, if the number of waves that are followed to the end
     /// grows by `followed`. Infinite if no number does.
     pub fn onset_factor(&self, followed: f64) -> f64 {
