@@ -142,12 +142,12 @@ pub struct Response {
     pub followed_s: Option<f64>,
     /// Fates of the waves. If late arrivals are counted in a sphere larger than the listener, or with fewer waves,
     /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling, and waves behind solids,
-    /// are not counted.
+    /// are not counted. Of the waves that end after the onset only those at the step limit are counted.
     pub counts: ArrivalCounts,
     /// Number of waves for late arrivals, including pilot waves.
     #[serde(default)]
     pub waves: u32,
-    /// Number of waves of the first sixth of the record, at least its first 80 ms. With a requested accuracy it may exceed
+    /// Number of waves of the onset: a sixth of the record, at least 80 ms, after the direct sound. With a requested accuracy it may exceed
     /// `waves` where surfaces scatter, because the early figures take more waves than the late decay. Otherwise it is
     /// `waves`.
     #[serde(default)]
