@@ -142,7 +142,8 @@ pub struct Response {
     pub followed_s: Option<f64>,
     /// Fates of the waves. If late arrivals are counted in a sphere larger than the listener, or with fewer waves,
     /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling, and waves behind solids,
-    /// are not counted. Of the waves that end after the onset only those at the step limit are counted.
+    /// are not counted. Waves that end after the onset are counted only at
+    /// the step limit.
     pub counts: ArrivalCounts,
     /// Number of waves for late arrivals, including pilot waves.
     #[serde(default)]

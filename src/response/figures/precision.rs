@@ -42,7 +42,7 @@ const UNKNOWN_NOISE: f64 = 4.0;
 /// reduce may use up the remainder.
 const LEAST_NOISE_SHARE: f64 = 0.5;
 
-/// What a figure of a band demands of the number of waves, as factors.
+/// The demand of a band's figure for waves, as factors of their number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Demand {
     /// The variance of the noise relative to the variance that the accuracy allows.
