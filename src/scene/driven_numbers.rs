@@ -172,15 +172,7 @@ impl Scene {
             .keys()
             .find(|name| names.binary_search(name).is_err());
         if let Some(name) = unknown {
-            return Err(SceneError::UnknownValue {
-                scene: self.name.clone(),
-                name: name.clone(),
-                nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
-                known: match names.len() {
-                    0 => "none".to_owned(),
-                    _ => names.join(", "),
-                },
-            });
+            return Err(self.unknown_value(name, &names));
         }
         let named = |surface: &Surface, driver: &Driver| match &driver.motion {
             Motion::Named(name) => {
@@ -194,6 +186,19 @@ impl Scene {
         }
         self.drive_materials(values);
         Ok(())
+    }
+
+    /// The error of a name that is not one of the scene's named values.
+    pub(super) fn unknown_value(&self, name: &str, names: &[String]) -> SceneError {
+        SceneError::UnknownValue {
+            scene: self.name.clone(),
+            name: name.to_owned(),
+            nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
+            known: match names.len() {
+                0 => "none".to_owned(),
+                _ => names.join(", "),
+            },
+        }
     }
 
     /// The names that [`Scene::set_value`] accepts, in alphabetic order and without duplicates.

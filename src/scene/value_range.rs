@@ -1,7 +1,6 @@
 //! The ranges of named values, for the sliders of the window and the page.
 
 use super::{Scene, SceneError};
-use crate::text::nearest;
 use serde::Deserialize;
 
 /// A range as it is written in a file.
@@ -63,15 +62,7 @@ impl Scene {
         let names = self.value_names();
         for (name, range) in &self.value_ranges {
             if names.binary_search(name).is_err() {
-                return Err(SceneError::UnknownValue {
-                    scene: self.name.clone(),
-                    name: name.clone(),
-                    nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
-                    known: match names.len() {
-                        0 => "none".to_owned(),
-                        _ => names.join(", "),
-                    },
-                });
+                return Err(self.unknown_value(name, &names));
             }
             if range.check().is_err() {
                 let what = format!("the range of the value {name:?}");
