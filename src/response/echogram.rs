@@ -246,29 +246,21 @@ impl Echogram {
         bands::add(&mut self.beyond, &scaled(&other.beyond));
     }
 
-    /// Scales the energies of the bins before `until` by `shares` in each band, and adds those of another echogram with
-    /// the same bins and batches.
-    pub(crate) fn refine_before(&mut self, until: usize, shares: &Bands, other: &Echogram) {
-        debug_assert!(
-            (self.first_s, self.bin_s, self.batches) == (other.first_s, other.bin_s, other.batches)
-        );
-        let until = until.min(self.bins().max(other.bins()));
-        self.grow(until);
-        let refine = |own: &mut Bands, other: Option<&Bands>, power: i32| {
-            for band in 0..BAND_COUNT {
-                own[band] = own[band] * shares[band].powi(power) + other.map_or(0.0, |of| of[band]);
-            }
-        };
-        for index in 0..until * self.batches {
-            refine(&mut self.energies[index], other.energies.get(index), 1);
+    /// Scales the energies of the bins before `until` by `before`, and those of the later bins by `after`.
+    pub(crate) fn scale_parts(&mut self, until: usize, before: f64, after: f64) {
+        let factor = |bin: usize| if bin < until { before } else { after };
+        for (index, energy) in self.energies.iter_mut().enumerate() {
+            let factor = factor(index / self.batches);
+            energy.iter_mut().for_each(|energy| *energy *= factor);
         }
-        for bin in 0..until {
-            refine(&mut self.squares[bin], other.squares.get(bin), 2);
-            for (band, flow) in self.flows[bin].iter_mut().enumerate() {
-                let added = other.flows.get(bin).map_or(DVec3::ZERO, |of| of[band]);
-                *flow = *flow * shares[band] + added;
-            }
+        for (bin, (squares, flows)) in self.squares.iter_mut().zip(&mut self.flows).enumerate() {
+            let factor = factor(bin);
+            squares
+                .iter_mut()
+                .for_each(|square| *square *= factor.powi(2));
+            flows.iter_mut().for_each(|flow| *flow *= factor);
         }
+        self.beyond.iter_mut().for_each(|energy| *energy *= after);
     }
 
     /// Number of bins that end at this time in seconds, or earlier.
@@ -499,29 +491,23 @@ mod tests {
         assert!((echogram.effective_arrivals(3, 0.0) - 1.0).abs() < 1e-3);
     }
 
-    /// Protects refined bins: the earlier bins hold the weighted sum of both echograms, the later bins stay.
+    /// Protects the two parts of a record: each is scaled by its own factor, the squares of the energies twice.
     #[test]
-    fn only_earlier_bins_are_refined() {
+    fn the_parts_of_a_record_are_scaled_separately() {
         let mut echogram = Echogram::new(1e-3, 2).expect("a good bin");
-        let mut other = echogram.clone();
-        let add = |to: &mut Echogram, bin: usize, energy: f64| {
-            let seconds = (bin as f64 + 0.5) * 1e-3;
-            to.add(1, seconds, &[energy; BAND_COUNT], DVec3::X).unwrap();
-        };
         for bin in [1, 4] {
-            add(&mut echogram, bin, 4.0);
-            add(&mut other, bin, 1.0);
+            let seconds = (f64::from(bin) + 0.5) * 1e-3;
+            let energy = [4.0; BAND_COUNT];
+            echogram.add(1, seconds, &energy, DVec3::X).unwrap();
         }
-        add(&mut other, 2, 3.0);
-        let mut shares = [0.5; BAND_COUNT];
-        shares[7] = 1.0;
-        echogram.refine_before(echogram.bins_before(0.004), &shares, &other);
+        let energy = [1.0; BAND_COUNT];
+        echogram.add(0, f64::INFINITY, &energy, DVec3::X).unwrap();
+        echogram.scale_parts(echogram.bins_before(0.004), 0.5, 0.25);
         let energies = [0, 1, 2, 3, 4].map(|bin| echogram.energy(bin)[0]);
-        assert_eq!(energies, [0.0, 3.0, 3.0, 0.0, 4.0]);
-        assert_eq!(echogram.energy(1)[7], 5.0);
-        assert_eq!(echogram.flow(1)[0], DVec3::X * 3.0);
-        assert_eq!(echogram.squares[1][0], 4.0 + 1.0);
-        assert_eq!(echogram.batch_energy(1, 0)[0], 0.0);
+        assert_eq!(energies, [0.0, 2.0, 0.0, 0.0, 1.0]);
+        assert_eq!(echogram.flow(1)[7], DVec3::X * 2.0);
+        assert_eq!((echogram.squares[1][0], echogram.squares[4][0]), (4.0, 1.0));
+        assert_eq!(echogram.beyond()[3], 0.25);
         assert_eq!(
             (echogram.bins_before(-1.0), echogram.bins_before(1e9)),
             (0, MAX_BINS)

@@ -1,8 +1,13 @@
 //! The effort of a round: numbers of waves and the length of the record, and what the next round takes.
+//!
+//! Three kinds of waves cause noise. The waves of early arrivals find exact paths and fly a few reflections. The waves of
+//! the onset end after the first part of the record, and the others are followed to the record's end. The noise of each
+//! figure is attributed to them, and the numbers grow where the noise is.
 
 use super::accuracy::Accuracy;
-use super::figures::{Demand, Record};
+use super::figures::{Demand, Growth, Parts, Record};
 use super::late::Onset;
+use super::shared::Traced;
 use super::source_sound::Medium;
 use super::{Response, ResponseSettings};
 use crate::scene::Pair;
@@ -16,7 +21,8 @@ const FIRST_FOLLOWED: u32 = 1 << 12;
 /// Factor of the predicted number of waves. The errors of 16 batches are themselves uncertain by 18 %.
 const SPARE: f64 = 1.2;
 
-/// The least growth of a further round. With less growth many rounds would repeat most of their work.
+/// The least growth of a further round. With less growth many rounds would repeat most of their work, or compute many
+/// figures in vain.
 const LEAST_GROWTH: f64 = 1.5;
 
 /// The greatest growth of a further round. Errors of few waves do not predict more.
@@ -29,7 +35,10 @@ const LONGER: f64 = 1.5;
 /// share withholds figures.
 const MOST_CUT_OFF: f64 = 1e-3;
 
-/// Factor between the numbers of followed waves that are compared, and how many of them: up to the greatest growth.
+/// The least growth of a further round's flights. A round with less growth would not change the figures noticeably.
+const LEAST_MORE_FLIGHTS: f64 = 1.05;
+
+/// Factor between the numbers of waves that are compared, and how many of them: up to the greatest growth.
 const STEP: f64 = 1.15;
 const STEPS: i32 = 10;
 
@@ -40,10 +49,25 @@ pub(super) struct Effort {
     pub waves: u32,
     /// Number of waves of the onset: `waves` or more.
     pub onset_waves: u32,
+    /// Number of waves of early arrivals. Without an onset it is at least `waves`, and these waves are not counted as
+    /// effort.
+    pub early_waves: u32,
     /// Length of the record in seconds.
     pub seconds: f64,
     /// The onset of the round's listeners; `None` if all waves are followed to the end.
     onset: Option<OnsetTime>,
+    /// The time of a wave of early arrivals, relative to the time of a wave that is followed to the record's end. 0 before
+    /// the first round.
+    early_share: f64,
+}
+
+/// The time that rounds took, in seconds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Took {
+    /// The last round.
+    pub last_s: f64,
+    /// All rounds, with the estimate of the length.
+    pub all_s: f64,
 }
 
 /// The onset of a record.
@@ -67,8 +91,10 @@ impl Effort {
         let effort = Effort {
             waves: FIRST_FOLLOWED.min(most),
             onset_waves: FIRST_WAVES.min(most),
+            early_waves: settings.trace.waves,
             seconds,
             onset: None,
+            early_share: 0.0,
         };
         effort.of_pairs(pairs, settings)
     }
@@ -99,15 +125,17 @@ impl Effort {
         Effort {
             waves: self.waves.max(other.waves),
             onset_waves: self.onset_waves.max(other.onset_waves),
+            early_waves: self.early_waves.max(other.early_waves),
             seconds: self.seconds.max(other.seconds),
             ..self
         }
     }
 
-    /// The settings of a round with this effort. The number of waves for exact paths is raised to the number of followed
-    /// waves if it is smaller.
+    /// The settings of a round with this effort. Without an onset, the number of waves of early arrivals is raised to the
+    /// number of followed waves if it is smaller.
     pub fn settings(self, settings: &ResponseSettings) -> ResponseSettings {
         let onset = self.onset.map(|onset| Onset {
+            followed: self.waves,
             waves: self.onset_waves,
             seconds: onset.length_s,
         });
@@ -115,10 +143,13 @@ impl Effort {
             accuracy: None,
             seconds: Some(self.seconds),
             late_waves: Some(self.waves),
-            onset: onset.filter(|onset| onset.waves > self.waves),
+            onset,
             ..settings.clone()
         };
-        settings.trace.waves = settings.trace.waves.max(self.waves);
+        settings.trace.waves = match onset {
+            Some(_) => self.early_waves,
+            None => self.early_waves.max(self.waves),
+        };
         settings
     }
 
@@ -126,44 +157,54 @@ impl Effort {
     /// waves are spent.
     pub fn further(
         self,
-        response: &Response,
+        traced: &Traced,
         pair: Pair,
         settings: &ResponseSettings,
         accuracy: &Accuracy,
     ) -> Option<Effort> {
+        let response = &traced.response;
         let can_grow = settings.seconds.is_none() && decays(pair);
         let seconds = match can_grow && is_cut_off(response) {
             true => (LONGER * self.seconds).min(settings.longest_s.max(self.seconds)),
             false => self.seconds,
         };
-        let demands = self.demands(response, pair, accuracy);
-        let grown = self
-            .grown(&demands)
-            .within(self, response.counts.iterations, accuracy);
-        let is_spent = grown.waves <= self.waves && grown.onset_waves <= self.onset_waves;
+        let iterations = response.counts.iterations.max(1);
+        let early_iterations = settings.order_in(pair.scene) + 1;
+        let now = Effort {
+            early_share: f64::from(early_iterations.min(iterations)) / f64::from(iterations),
+            ..self
+        };
+        let demands = now.demands(traced, pair, accuracy);
+        let grown = now.grown(&demands).within(now, iterations, accuracy);
+        let is_spent = grown.flight_s() < LEAST_MORE_FLIGHTS * now.flight_s();
         match (demands.iter().any(Demand::is_open), is_spent) {
             (true, false) => Some(Effort { seconds, ..grown }),
-            _ if seconds > self.seconds => Some(Effort { seconds, ..self }),
+            _ if seconds > now.seconds => Some(Effort { seconds, ..now }),
             _ => None,
         }
     }
 
     /// The demands of a response's figures.
-    fn demands(self, response: &Response, pair: Pair, accuracy: &Accuracy) -> Vec<Demand> {
-        // The shares of the onset take as long as the figures, and accurate figures need none.
+    fn demands(self, traced: &Traced, pair: Pair, accuracy: &Accuracy) -> Vec<Demand> {
+        let response = &traced.response;
+        // The shares take as long as the figures, and accurate figures need none.
         let is_open = response.figures.waves_for(accuracy.share) > 1.0;
         let onset = self.onset.filter(|_| is_open);
-        let onset_s = onset.map(|onset| Medium::of(pair).direct_s + onset.length_s);
+        let parts = onset.map(|onset| Parts {
+            early: &traced.in_own_sphere,
+            onset_s: Medium::of(pair).direct_s + onset.length_s,
+        });
         let taps = response.taps();
         let ends_s = response.followed_s.unwrap_or(response.seconds);
         let record = Record::new(&taps, &response.echogram, ends_s);
         let direct_s = response.direct().map(|path| path.delay_s);
         response
             .figures
-            .demands(accuracy.share, &record, direct_s, onset_s)
+            .demands(accuracy.share, &record, direct_s, parts)
     }
 
-    /// The waves that come closest to the demands, and among those that fulfil them the waves that take the least time.
+    /// The waves that fulfil the demands and take the least time. If the greatest growth does not fulfil them: of those
+    /// that come close to it.
     fn grown(self, demands: &[Demand]) -> Effort {
         if self.onset.is_none() {
             let factor = demands.iter().map(Demand::factor).fold(0.0, f64::max);
@@ -174,33 +215,54 @@ impl Effort {
                 ..self
             };
         }
-        let growth = |now: u32, next: u32| f64::from(next) / f64::from(now.max(1));
-        let of_step = |step: i32| {
-            let waves = grown(self.waves, STEP.powi(step));
-            let followed = growth(self.waves, waves);
-            let onset = demands.iter().map(|demand| demand.onset_factor(followed));
-            let onset_waves = grown(self.onset_waves, onset.fold(0.0, f64::max)).max(waves);
-            let onset = growth(self.onset_waves, onset_waves);
-            let left = demands.iter().map(|demand| demand.left(onset, followed));
+        let steps = (0..=STEPS).flat_map(|early| (0..=STEPS).map(move |late| (early, late)));
+        let of_step = |(early, late): (i32, i32)| {
+            let early_waves = grown(self.early_waves, STEP.powi(early));
+            let waves = grown(self.waves, STEP.powi(late));
+            let mut growth = Growth {
+                early: growth(self.early_waves, early_waves),
+                onset: 1.0,
+                followed: growth(self.waves, waves),
+            };
+            let onset = demands.iter().map(|demand| demand.onset_factor(growth));
+            let onset_waves = grown(self.onset_waves, onset.fold(0.0, f64::max));
+            // All waves pass through the onset.
+            let onset_waves = onset_waves.max(self.onset_waves + (waves - self.waves));
+            growth.onset = self::growth(self.onset_waves, onset_waves);
+            let left = demands.iter().map(|demand| demand.left(growth));
             let effort = Effort {
                 waves,
                 onset_waves,
+                early_waves,
                 ..self
             };
-            (left.fold(1.0, f64::max), effort)
+            (left.fold(0.0, f64::max), effort)
         };
-        let closest = (0..=STEPS).map(of_step).min_by(|(a_left, a), (b_left, b)| {
-            let by_time = || a.flight_s().total_cmp(&b.flight_s());
-            a_left.total_cmp(b_left).then_with(by_time)
-        });
-        closest.map_or(self, |(_, effort)| effort)
+        let steps: Vec<(f64, Effort)> = steps.map(of_step).collect();
+        let least = steps
+            .iter()
+            .map(|(left, _)| *left)
+            .fold(f64::INFINITY, f64::min);
+        // Where the greatest growth does not fulfil the demands, another round follows.
+        let accepted = if least <= 1.0 { 1.0 } else { SPARE * least };
+        let fulfilling = steps.into_iter().filter(|(left, _)| *left <= accepted);
+        let shortest = fulfilling.min_by(|(_, a), (_, b)| a.flight_s().total_cmp(&b.flight_s()));
+        shortest.map_or(self, |(_, effort)| effort)
+    }
+
+    /// Whether the waves of this effort are further waves of `last`: its waves start evenly, and the record is the same.
+    fn extends(self, last: Effort) -> bool {
+        self.onset.is_some() && self.onset == last.onset && self.seconds == last.seconds
     }
 
     /// Time in seconds that all waves fly.
     fn flight_s(self) -> f64 {
         let share = self.onset.map_or(1.0, |onset| onset.share);
         let in_onset = f64::from(self.onset_waves.saturating_sub(self.waves));
-        self.seconds * (f64::from(self.waves) + share * in_onset)
+        let early = self
+            .onset
+            .map_or(0.0, |_| self.early_share * f64::from(self.early_waves));
+        self.seconds * (f64::from(self.waves) + share * in_onset + early)
     }
 
     /// This effort, or the part of its growth since `last` that flies at most `flight_s` seconds. `None` if not even the
@@ -212,6 +274,7 @@ impl Effort {
         let least = Effort {
             waves: self.waves.min(last.waves),
             onset_waves: self.onset_waves.min(last.onset_waves),
+            early_waves: self.early_waves.min(last.early_waves),
             ..self
         };
         let part = (flight_s - least.flight_s()) / (self.flight_s() - least.flight_s());
@@ -219,6 +282,7 @@ impl Effort {
         (part >= 0.0).then(|| Effort {
             waves: between(least.waves, self.waves),
             onset_waves: between(least.onset_waves, self.onset_waves),
+            early_waves: between(least.early_waves, self.early_waves),
             ..self
         })
     }
@@ -233,22 +297,35 @@ impl Effort {
             ..last
         });
         let most_asked = accuracy.most_waves_asked();
+        let onset_waves = limited.onset_waves.min(most_asked);
+        // All waves pass through the onset.
+        let most_further = onset_waves.saturating_sub(last.onset_waves);
+        let most = match self.extends(last) {
+            true => last.waves + most_further,
+            false => most_asked,
+        };
         Effort {
-            waves: limited.waves.min(most_asked),
-            onset_waves: limited.onset_waves.min(most_asked),
+            waves: limited.waves.min(most),
+            onset_waves,
+            early_waves: limited.early_waves.min(most_asked.max(last.early_waves)),
             ..limited
         }
     }
 
-    /// This effort with at most as many waves as fit `left_s` seconds, if a round of the effort `last` took `last_s`
-    /// seconds; `None` if that is less than [`LEAST_GROWTH`] times the waves of `last`. The predicted time is rather too
-    /// long, because parts of a round, such as the search for exact paths, do not grow with the waves.
-    pub fn fitting(self, left_s: f64, last: Effort, last_s: f64) -> Option<Effort> {
-        let fitting = self.limited(last, last.flight_s() * (left_s / last_s))?;
+    /// This effort with at most as many waves as fit `left_s` seconds, if rounds up to the effort `last` took this time;
+    /// `None` if that is less than [`LEAST_GROWTH`] times the waves of `last`. The predicted time is rather too long,
+    /// because parts of a round, such as the search for exact paths, do not grow with the waves.
+    pub fn fitting(self, left_s: f64, last: Effort, took: Took) -> Option<Effort> {
+        let times_last = match self.extends(last) {
+            true => 1.0 + left_s / took.all_s,
+            false => left_s / took.last_s,
+        };
+        let fitting = self.limited(last, last.flight_s() * times_last)?;
         let grows = |waves: u32, last: u32| f64::from(waves) >= LEAST_GROWTH * f64::from(last);
         let is_worth_it = fitting == self
             || grows(fitting.waves, last.waves)
-            || grows(fitting.onset_waves, last.onset_waves);
+            || grows(fitting.onset_waves, last.onset_waves)
+            || grows(fitting.early_waves, last.early_waves);
         is_worth_it.then_some(fitting)
     }
 }
@@ -261,6 +338,11 @@ fn grown(waves: u32, factor: f64) -> u32 {
     }
     let growth = (SPARE * factor).clamp(LEAST_GROWTH, GREATEST_GROWTH);
     (f64::from(waves) * growth) as u32
+}
+
+/// The factor between two numbers of waves.
+fn growth(now: u32, next: u32) -> f64 {
+    f64::from(next) / f64::from(now.max(1))
 }
 
 /// Whether sound decays in the scene.
@@ -285,18 +367,29 @@ mod tests {
     const EFFORT: Effort = Effort {
         waves: 4096,
         onset_waves: 16_384,
+        early_waves: 65_536,
         seconds: 1.0,
         onset: Some(OnsetTime {
             length_s: 0.17,
             share: 0.2,
         }),
+        early_share: 0.0,
     };
 
     fn demand(noise: f64, onset_share: f64) -> Demand {
         Demand {
             noise,
+            early_share: 0.0,
             onset_share,
             least: 0.0,
+        }
+    }
+
+    /// The time of a first round.
+    fn took(seconds: f64) -> Took {
+        Took {
+            last_s: seconds,
+            all_s: seconds,
         }
     }
 
@@ -305,13 +398,16 @@ mod tests {
         Effort {
             waves,
             onset_waves: waves,
+            early_waves: 65_536,
             seconds,
             onset: None,
+            early_share: 0.0,
         }
     }
 
     /// Protects the time of a response: noise of the onset asks for waves of the onset, noise of the late decay for waves
-    /// that are followed to the end, and accurate figures for none.
+    /// that are followed to the end, noise of early arrivals for waves that find exact paths, and accurate figures for
+    /// none.
     #[test]
     fn waves_are_added_where_the_noise_is() {
         let grown = |demands: &[Demand]| EFFORT.grown(demands);
@@ -319,13 +415,20 @@ mod tests {
         let early = grown(&[demand(2.0, 1.0), demand(0.5, 0.0)]);
         assert_eq!((early.waves, early.onset_waves), (4096, 39_321));
         let late = grown(&[demand(2.0, 0.0)]);
-        assert!(
-            late.waves >= 2 * 4096 && late.onset_waves == 16_384,
-            "{late:?}"
-        );
-        // Noise that takes more than the greatest growth takes the greatest growth.
+        let further = late.waves - 4096;
+        assert!(further >= 4096, "{late:?}");
+        assert_eq!(late.onset_waves, 16_384 + further);
+        let found = Demand {
+            early_share: 1.0,
+            ..demand(2.0, 0.0)
+        };
+        let early = grown(&[found, demand(0.5, 0.0)]);
+        assert!(early.early_waves >= 2 * 65_536, "{early:?}");
+        assert_eq!((early.waves, early.onset_waves), (4096, 16_384));
+        // Noise that takes more than the greatest growth takes about the greatest growth.
         let much = grown(&[demand(1e4, 0.5)]);
-        assert_eq!((much.waves, much.onset_waves), (16_384, 65_536));
+        assert!((12_288..=16_384).contains(&much.waves), "{much:?}");
+        assert_eq!(much.onset_waves, 65_536);
         assert_eq!(even(4096, 1.0).grown(&[demand(2.0, 1.0)]).waves, 9830);
     }
 
@@ -349,7 +452,7 @@ mod tests {
     #[test]
     fn a_round_fits_the_time_that_is_left() {
         let fitted = |wanted: Effort, left_s: f64| {
-            let fitting = wanted.fitting(left_s, even(1000, 1.0), 2.0);
+            let fitting = wanted.fitting(left_s, even(1000, 1.0), took(2.0));
             fitting.map(|effort| (effort.waves, effort.seconds))
         };
         assert_eq!(fitted(even(4000, 1.0), 8.0), Some((4000, 1.0)));
@@ -375,7 +478,7 @@ mod tests {
             onset_waves: 65_536,
             ..EFFORT
         };
-        let half = wanted.fitting(3.5, EFFORT, 2.0).unwrap();
+        let half = wanted.fitting(1.5, EFFORT, took(2.0)).unwrap();
         assert_eq!(half.waves, 4096);
         assert!((24_576..50_000).contains(&half.onset_waves), "{half:?}");
         let large = Effort {

@@ -5,6 +5,7 @@ use super::early_part::{Caught, EarlyPart, Search};
 use super::exact_paths::EarlyPaths;
 use super::hidden::Hidden;
 use super::late::{self, Arrivals, Heard};
+use super::shared::Traced;
 use super::source_sound::Medium;
 use super::{
     Arrival, Echogram, Figures, HeardPath, Record, Response, ResponseSettings, direct, energy,
@@ -45,16 +46,18 @@ pub(super) fn response(
     (arrivals, starts): (Arrivals, Vec<(u32, Vec3)>),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-) -> Result<Option<Response>, Error> {
+) -> Result<Option<Traced>, Error> {
     let Heard { pair, medium, late } = *heard;
     let Arrivals {
-        sums,
+        mut echogram,
+        mut in_own_sphere,
+        straight,
+        inner,
         bias,
         counts,
         early,
         travel_on,
     } = arrivals;
-    let mut echogram = sums.echogram;
     let seconds = how.seconds;
     let early_paths = EarlyPaths::new(pair)?;
     let search = Search {
@@ -78,10 +81,11 @@ pub(super) fn response(
     let is_replaced = |arrival: &Arrival| arrival.reflections == 0 && hidden.is_bent();
     part.left_over(|reflection| hidden.is_reflection_bent(reflection))
         .filter(|arrival| !is_replaced(arrival))
-        .for_each(|arrival| medium.add(&mut echogram, arrival));
+        .for_each(|arrival| medium.add(&mut in_own_sphere, arrival));
+    echogram.add_scaled(&in_own_sphere, &bands::ALL);
     // An exact path replaces the waves that pass solids in a straight line.
     if is_hidden && !hidden.replaces_straight_waves() {
-        echogram.add_scaled(&sums.straight, &[1.0; BAND_COUNT]);
+        echogram.add_scaled(&straight, &[1.0; BAND_COUNT]);
     }
     let diffraction_milliseconds = hidden.diffraction_milliseconds();
     let further_reflections = hidden.further_reflections();
@@ -93,7 +97,7 @@ pub(super) fn response(
     let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
     let ends_s = followed_s.unwrap_or(seconds);
     if settings.omits_figures {
-        return Ok(Some(Response {
+        let response = Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,
             left_out_share: left_out_share(&part, medium, &paths, &echogram),
@@ -108,6 +112,10 @@ pub(super) fn response(
             onset_waves: settings.onset_waves(),
             milliseconds: 0.0,
             diffraction_milliseconds,
+        };
+        return Ok(Some(Traced {
+            response,
+            in_own_sphere,
         }));
     }
     let taps = taps(&paths);
@@ -117,7 +125,7 @@ pub(super) fn response(
     if let Some(common) = late.errors {
         figures = figures.with_common_errors(&common);
     }
-    if let Some(inner) = &sums.inner {
+    if let Some(inner) = &inner {
         let differences = inner.of_figures(&record, direct_s);
         if late::are_biased(&differences, late.accepted_bias) {
             return Ok(None);
@@ -163,7 +171,10 @@ pub(super) fn response(
     if let Some(least_db) = settings.least_level_db {
         least_level::raise(&mut response, pair, medium, least_db);
     }
-    Ok(Some(response))
+    Ok(Some(Traced {
+        response,
+        in_own_sphere,
+    }))
 }
 
 /// The energy share of arrivals whose paths were not searched for.

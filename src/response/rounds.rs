@@ -1,15 +1,15 @@
 //! Rounds with more and more waves, until the errors of all figures have the requested accuracy.
 
 use super::accuracy::Accuracy;
-use super::effort::Effort;
+use super::effort::{Effort, Took};
 use super::shared::Listeners;
 use super::{Response, ResponseSettings};
 use crate::error::Error;
 use crate::platform::Instant;
 use crate::tracer::Tracer;
 
-/// Maximum number of rounds. A factor of 4 reaches the limit of waves in four rounds, and the record may grow.
-const MOST_ROUNDS: u32 = 6;
+/// Maximum number of rounds: the limit of waves is reached in fewer, and the record may grow.
+const MOST_ROUNDS: u32 = 12;
 
 /// A round of responses with a requested accuracy.
 #[doc(hidden)]
@@ -26,37 +26,45 @@ pub struct Round<'a> {
 /// are accurate takes no part in further rounds. `observe` receives each round.
 pub(super) fn trace(
     tracer: &mut Tracer,
-    listeners: Listeners,
+    mut open: Listeners,
     settings: &ResponseSettings,
     accuracy: &Accuracy,
     observe: &mut dyn FnMut(Round),
 ) -> Result<Vec<Response>, Error> {
     let began = Instant::now();
-    let mut last: Vec<Option<Response>> = vec![None; listeners.pairs().len()];
-    let (mut open, mut open_indices) = (listeners.clone(), (0..last.len()).collect::<Vec<_>>());
-    let seconds = settings.seconds_of_pairs(tracer, listeners.pairs())?;
-    let mut next = Effort::first(listeners.pairs(), settings, accuracy, seconds);
+    let mut pairs = open.pairs();
+    let mut last: Vec<Option<Response>> = vec![None; pairs.len()];
+    let mut open_indices: Vec<usize> = (0..pairs.len()).collect();
+    let seconds = settings.seconds_of_pairs(tracer, &pairs)?;
+    let mut next = Effort::first(&pairs, settings, accuracy, seconds);
     for round in 1.. {
-        next = next.of_pairs(open.pairs(), settings);
         let of_round = next.settings(settings);
         let before_s = began.elapsed().as_secs_f64();
-        let mut responses = open.trace(tracer, &of_round, next.seconds)?;
+        let mut traced = open.trace(tracer, &of_round, next.seconds)?;
         let elapsed_s = began.elapsed().as_secs_f64();
-        for response in &mut responses {
-            response.milliseconds = elapsed_s * 1e3;
+        for traced in &mut traced {
+            traced.response.milliseconds = elapsed_s * 1e3;
         }
         let mut further: Vec<Option<Effort>> = match round == MOST_ROUNDS {
-            true => vec![None; responses.len()],
-            false => (responses.iter().zip(open.pairs()))
-                .map(|(response, pair)| next.further(response, *pair, settings, accuracy))
+            true => vec![None; traced.len()],
+            false => (traced.iter().zip(&pairs))
+                .map(|(traced, pair)| next.further(traced, *pair, settings, accuracy))
                 .collect(),
         };
+        let responses = traced.into_iter().map(|traced| traced.response);
+        let responses: Vec<Response> = responses.collect();
         let all = further.iter().flatten().copied().reduce(Effort::and);
         let iterations = responses.iter().map(|response| response.counts.iterations);
         let most_iterations = iterations.max().unwrap_or(0);
         let all = all.map(|wanted| wanted.within(next, most_iterations, accuracy));
         let all = all.and_then(|wanted| match accuracy.time_limit_s {
-            Some(limit_s) => wanted.fitting(limit_s - elapsed_s, next, elapsed_s - before_s),
+            Some(limit_s) => {
+                let took_s = Took {
+                    last_s: elapsed_s - before_s,
+                    all_s: elapsed_s,
+                };
+                wanted.fitting(limit_s - elapsed_s, next, took_s)
+            }
             None => Some(wanted),
         });
         if all.is_none() {
@@ -73,11 +81,15 @@ pub(super) fn trace(
         let Some(effort) = all else {
             break;
         };
-        let is_open = |index: &usize| further[*index].is_some();
-        let kept: Vec<usize> = (0..further.len()).filter(is_open).collect();
-        open = open.only(&kept);
-        open_indices = kept.iter().map(|index| open_indices[*index]).collect();
-        next = effort;
+        let is_open: Vec<bool> = further.iter().map(Option::is_some).collect();
+        open.keep(&is_open);
+        pairs = open.pairs();
+        let mut is_kept = is_open.into_iter();
+        open_indices.retain(|_| is_kept.next().unwrap_or(false));
+        next = match effort.seconds == next.seconds {
+            true => effort,
+            false => effort.of_pairs(&pairs, settings),
+        };
     }
     // The first round has all listeners.
     Ok(last.into_iter().flatten().collect())

@@ -261,6 +261,7 @@ impl ResponseSettings {
     pub(super) fn late_trace(&self) -> Settings {
         let waves = self.trace.waves;
         let late = self.late_waves.map_or(waves, |late| late.min(waves));
+        let late = self.onset.map_or(late, |onset| onset.followed);
         self.trace.clone().with_waves(late)
     }
 

@@ -1,7 +1,7 @@
 //! Listeners that share the waves of one source.
 
 use super::from_arrivals::{StartDirections, response};
-use super::late::{self, Heard, LateSphere};
+use super::late::{self, Heard, LateSphere, Tally};
 use super::source_sound::Medium;
 use super::{Echogram, Response, ResponseSettings};
 use crate::bands::BAND_COUNT;
@@ -17,11 +17,28 @@ const MOST_BYTES: f64 = 512e6;
 const ECHOGRAMS: f64 = 4.0;
 
 /// Listeners of one source in one scene.
-#[derive(Clone)]
 pub(super) struct Listeners<'a> {
-    pairs: Vec<Pair<'a>>,
-    /// The spheres in which late arrivals are counted.
-    spheres: Vec<LateSphere>,
+    all: Vec<SharedListener<'a>>,
+    /// Length in seconds of the record of the tallies.
+    seconds: f64,
+}
+
+/// A response of a round.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Traced {
+    pub response: Response,
+    /// The arrivals in the listener's own sphere that no exact path replaces, a part of the response's echogram: the noise
+    /// of the waves of early arrivals.
+    pub in_own_sphere: Echogram,
+}
+
+/// A listener of a source.
+struct SharedListener<'a> {
+    pair: Pair<'a>,
+    /// The sphere in which late arrivals are counted.
+    sphere: LateSphere,
+    /// The waves of earlier rounds, if further waves can extend them.
+    tally: Option<Tally>,
 }
 
 /// The indices of the pairs in groups with the same scene and source, of at most `most` pairs.
@@ -47,27 +64,28 @@ impl<'a> Listeners<'a> {
         pairs: impl Iterator<Item = Pair<'a>>,
         settings: &ResponseSettings,
     ) -> Listeners<'a> {
-        let pairs: Vec<Pair> = pairs.collect();
-        let sphere = |pair: &Pair| {
+        let listener = |pair: Pair<'a>| {
             let order = settings.order_in(pair.scene);
-            LateSphere::of(*pair, order, settings.accuracy.as_ref())
+            SharedListener {
+                pair,
+                sphere: LateSphere::of(pair, order, settings.accuracy.as_ref()),
+                tally: None,
+            }
         };
         Listeners {
-            spheres: pairs.iter().map(sphere).collect(),
-            pairs,
+            all: pairs.map(listener).collect(),
+            seconds: 0.0,
         }
     }
 
-    pub fn pairs(&self) -> &[Pair<'a>] {
-        &self.pairs
+    pub fn pairs(&self) -> Vec<Pair<'a>> {
+        self.all.iter().map(|one| one.pair).collect()
     }
 
-    /// The listeners with these indices.
-    pub fn only(&self, indices: &[usize]) -> Listeners<'a> {
-        Listeners {
-            pairs: indices.iter().map(|index| self.pairs[*index]).collect(),
-            spheres: indices.iter().map(|index| self.spheres[*index]).collect(),
-        }
+    /// Keeps the listeners for which `is_kept` holds.
+    pub fn keep(&mut self, is_kept: &[bool]) {
+        let mut is_kept = is_kept.iter().copied();
+        self.all.retain(|_| is_kept.next().unwrap_or(false));
     }
 
     /// The responses of the given number of waves.
@@ -77,78 +95,89 @@ impl<'a> Listeners<'a> {
         settings: &ResponseSettings,
     ) -> Result<Vec<Response>, Error> {
         let began = Instant::now();
-        let seconds = settings.seconds_of_pairs(tracer, &self.pairs)?;
-        let mut responses = self.trace(tracer, settings, seconds)?;
-        for response in &mut responses {
-            response.milliseconds = began.elapsed().as_secs_f64() * 1e3;
-        }
-        Ok(responses)
+        let seconds = settings.seconds_of_pairs(tracer, &self.pairs())?;
+        let traced = self.trace(tracer, settings, seconds)?;
+        let milliseconds = began.elapsed().as_secs_f64() * 1e3;
+        let timed = |traced: Traced| Response {
+            milliseconds,
+            ..traced.response
+        };
+        Ok(traced.into_iter().map(timed).collect())
     }
 
-    /// The responses of this length. Where a sphere is rejected, its inner sphere takes its place.
+    /// The responses of this length. The waves extend those of the call before if all waves start evenly and the length
+    /// is the same. Where a sphere is rejected, its inner sphere takes its place.
     pub fn trace(
         &mut self,
         tracer: &mut Tracer,
         settings: &ResponseSettings,
         seconds: f64,
-    ) -> Result<Vec<Response>, Error> {
-        let mut responses = Vec::new();
-        let all: Vec<usize> = (0..self.pairs.len()).collect();
-        for indices in all.chunks(most_together(settings, seconds)) {
-            responses.extend(self.only(indices).in_spheres(tracer, settings, seconds)?);
+    ) -> Result<Vec<Traced>, Error> {
+        if seconds != self.seconds {
+            self.all.iter_mut().for_each(|one| one.tally = None);
+            self.seconds = seconds;
         }
+        let mut responses = vec![None; self.all.len()];
         // A listener's own sphere is never rejected, so the loop ends.
-        loop {
-            let is_missing = |index: &usize| responses[*index].is_none();
-            let rejected: Vec<usize> = all.iter().copied().filter(is_missing).collect();
-            if rejected.is_empty() {
-                return Ok(responses.into_iter().flatten().collect());
-            }
-            for index in &rejected {
-                self.spheres[*index] = self.spheres[*index].inner(self.pairs[*index]);
-            }
-            for indices in rejected.chunks(most_together(settings, seconds)) {
-                let again = self.only(indices).in_spheres(tracer, settings, seconds)?;
-                for (index, response) in indices.iter().zip(again) {
-                    responses[*index] = response;
+        while responses.contains(&None) {
+            for is_begun in [true, false] {
+                let is_of_kind = |index: &usize| {
+                    responses[*index].is_none() && self.all[*index].tally.is_some() == is_begun
+                };
+                let indices: Vec<usize> = (0..self.all.len()).filter(is_of_kind).collect();
+                for indices in indices.chunks(most_together(settings, seconds)) {
+                    let found = self.in_spheres(tracer, indices, settings)?;
+                    for (index, response) in indices.iter().zip(found) {
+                        responses[*index] = response;
+                    }
                 }
             }
         }
+        Ok(responses.into_iter().flatten().collect())
     }
 
     /// The responses with late arrivals counted in the spheres; `None` for a listener whose figures are biased by the
-    /// size of its sphere.
+    /// size of its sphere, which is then replaced by its inner sphere.
     fn in_spheres(
-        &self,
+        &mut self,
         tracer: &mut Tracer,
+        indices: &[usize],
         settings: &ResponseSettings,
-        seconds: f64,
-    ) -> Result<Vec<Option<Response>>, Error> {
-        let media: Vec<Medium> = self.pairs.iter().map(|pair| Medium::of(*pair)).collect();
-        let heard: Vec<Heard> = (self.pairs.iter().zip(&media).zip(&self.spheres))
-            .map(|((pair, medium), late)| Heard {
-                pair: *pair,
+    ) -> Result<Vec<Option<Traced>>, Error> {
+        let medium = |index: &usize| Medium::of(self.all[*index].pair);
+        let media: Vec<Medium> = indices.iter().map(medium).collect();
+        let heard = |(index, medium): (&usize, _)| {
+            let SharedListener { pair, sphere, .. } = self.all[*index];
+            Heard {
+                pair,
                 medium,
-                late: *late,
-            })
-            .collect();
-        let Some(first) = self.pairs.first() else {
+                late: sphere,
+            }
+        };
+        let heard: Vec<Heard> = indices.iter().zip(&media).map(heard).collect();
+        let Some(first) = heard.first() else {
             return Ok(Vec::new());
         };
-        let order = settings.order_in(first.scene);
-        let how = ArrivalSettings::new(seconds).with_early_order(order);
-        // Bins begin at the earliest possible arrival, so that the times 50 and 80 ms after this arrival lie on edges
-        // of bins.
-        let bins = |medium: &Medium| {
-            Echogram::with_edge_at(medium.direct_s, settings.bin_s, settings.batches)
-        };
-        let echograms = media.iter().map(bins).collect::<Result<Vec<_>, _>>()?;
-        let all = late::arrivals(tracer, &heard, settings, &how, echograms)?;
+        let order = settings.order_in(first.pair.scene);
+        let how = ArrivalSettings::new(self.seconds).with_early_order(order);
+        let before = indices.iter().map(|index| self.all[*index].tally.take());
+        let before = before.collect::<Option<Vec<Tally>>>();
+        let tallies = late::tallies(tracer, &heard, settings, &how, before)?;
+        let is_extended =
+            settings.onset.is_some() && self.all.len() <= most_together(settings, self.seconds);
         let mut starts = StartDirections::default();
         let mut responses = Vec::new();
-        for (heard, arrivals) in heard.iter().zip(all) {
+        for ((index, heard), tally) in indices.iter().zip(&heard).zip(tallies) {
+            let kept = is_extended.then(|| tally.clone());
+            let arrivals = tally.into_arrivals();
             let starts = starts.of_waves(tracer, &settings.trace, &arrivals.early)?;
-            responses.push(response(tracer, heard, (arrivals, starts), settings, &how)?);
+            let response = response(tracer, heard, (arrivals, starts), settings, &how)?;
+            let one = &mut self.all[*index];
+            match response {
+                Some(_) => one.tally = kept,
+                None => one.sphere = one.sphere.inner(one.pair),
+            }
+            responses.push(response);
         }
         Ok(responses)
     }
@@ -159,4 +188,81 @@ fn most_together(settings: &ResponseSettings, seconds: f64) -> usize {
     let bytes_of_bin = (settings.batches * BAND_COUNT * size_of::<f64>()) as f64;
     let bytes = ECHOGRAMS * bytes_of_bin * seconds / settings.bin_s;
     ((MOST_BYTES / bytes) as usize).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use crate::gl::{Context, ContextOptions};
+    use crate::response::late::Onset;
+
+    /// A room that scatters, with a board that hides the listener's centre from some images of the source.
+    fn room() -> Scene {
+        let text = "Scene(surfaces: [Surface(shape: Room(size: (6, 3, 5)), material: \"m\"),
+                Surface(shape: Box(size: (0.1, 1.5, 1)), position: (0, -0.7, 0), material: \"m\")],
+            materials: {\"m\": Material(absorption: 0.3, scattering: 0.3)},
+            source: Source(position: (-1.5, 0.3, -1)), listener: Listener(position: (1.7, -0.2, 0.9), radius: 0.3))";
+        Scene::from_ron(text, "room").unwrap()
+    }
+
+    /// The settings of a round with these numbers of waves.
+    fn round(followed: u32, onset_waves: u32, early_waves: u32) -> ResponseSettings {
+        let mut settings = ResponseSettings::default().with_order(3);
+        settings.trace.waves = early_waves;
+        settings.onset = Some(Onset {
+            followed,
+            waves: onset_waves,
+            seconds: 0.1,
+        });
+        settings
+    }
+
+    /// Protects the rounds of an accuracy: further waves of early arrivals give what all of them give at once, further
+    /// late waves the mean over all of them, and a longer record begins anew.
+    #[test]
+    fn further_waves_extend_a_response() {
+        let mut tracer =
+            Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
+        let scene = room();
+        let listeners = || {
+            let pair = scene.only_pair().unwrap();
+            Listeners::new([pair].into_iter(), &round(1, 1, 1))
+        };
+        let mut trace = |listeners: &mut Listeners, settings: &ResponseSettings, seconds: f64| {
+            let mut traced = listeners.trace(&mut tracer, settings, seconds).unwrap();
+            traced.remove(0)
+        };
+        let few = round(2048, 8192, 8192);
+        let only_early = round(2048, 8192, 16_384);
+        let many = round(16_384, 32_768, 16_384);
+        let mut extended = listeners();
+        let first = trace(&mut extended, &few, 0.5);
+        let second = trace(&mut extended, &only_early, 0.5);
+        let third = trace(&mut extended, &many, 0.5);
+        let longer = trace(&mut extended, &few, 0.6);
+        let total = |of: &Echogram| of.total()[4];
+        let ratio = |a: &Echogram, b: &Echogram| total(a) / total(b);
+
+        let at_once = trace(&mut listeners(), &only_early, 0.5);
+        let own = ratio(&second.in_own_sphere, &at_once.in_own_sphere);
+        assert!((own - 1.0).abs() < 1e-9, "{own}");
+        assert!(total(&first.in_own_sphere) != total(&second.in_own_sphere));
+
+        let many_at_once = trace(&mut listeners(), &many, 0.5);
+        let late = ratio(&third.response.echogram, &many_at_once.response.echogram);
+        assert!((late - 1.0).abs() < 0.02, "{late}");
+        let noise = |of: &Traced| of.response.figures.precision[4][2].noise.unwrap();
+        // A third of the noise is expected of eight times the waves.
+        assert!(
+            noise(&third) < 0.6 * noise(&first),
+            "{} {}",
+            noise(&third),
+            noise(&first)
+        );
+        assert_eq!(third.response.counts.waves, 16_384);
+
+        assert_eq!(longer.response.counts.waves, 2048);
+        assert_eq!(longer, trace(&mut listeners(), &few, 0.6));
+    }
 }

@@ -1,6 +1,6 @@
 //! The differences between the figures of two records of the same waves, and the noise of these differences.
 
-use super::uncertainty::Halves;
+use super::uncertainty::{Halves, Noisy};
 use super::{BandFigures, FIGURE_COUNT, Figures, List, Record, lists};
 use crate::bands::BAND_COUNT;
 
@@ -19,7 +19,7 @@ impl Differences {
     /// waves, so that most of their noise is common. `direct_s` is the arrival time of the direct sound.
     pub fn between(record: &Record, other: &Record, direct_s: Option<f64>) -> Differences {
         let whole = [record, other].map(|of| of_all(of, direct_s));
-        let halves = [record, other].map(|of| Halves::new(of, direct_s, usize::MAX));
+        let halves = [record, other].map(|of| Halves::new(of, direct_s, Noisy::All));
         let difference = |lists: [&[List; BAND_COUNT]; 2], band: usize, figure: usize| {
             Some(lists[1][band][figure]? - lists[0][band][figure]?)
         };

@@ -12,7 +12,7 @@ use glam::DVec3;
 use pieces::Piece;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use uncertainty::Halves;
+use uncertainty::{Halves, Noisy};
 
 mod decay;
 mod differences;
@@ -24,9 +24,9 @@ mod uncertainty;
 
 pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
-pub(super) use precision::Demand;
 pub use precision::Precision;
 pub(crate) use precision::Withheld;
+pub(super) use precision::{Demand, Growth, Parts};
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
 /// Distance in metres at which the direct sound in a free field has a strength *G* of 0 dB.
@@ -221,7 +221,7 @@ impl Figures {
         let begins_s = start.seconds;
         let all = record.pieces(begins_s, energy);
         let (lists, decays_end_s, cut_off) = lists(&all, echogram.bin_s());
-        let halves = Halves::new(&record, direct_s, usize::MAX);
+        let halves = Halves::new(&record, direct_s, Noisy::All);
         let has_batches = echogram.batches() > 1;
         for (band, list) in lists.iter().enumerate() {
             let arrivals = |after_s: f64| echogram.effective_arrivals(band, begins_s + after_s);

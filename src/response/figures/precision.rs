@@ -1,9 +1,10 @@
 //! The precision of figures: their noise, also where a figure is withheld, and the number of waves that a requested
 //! precision takes.
 
-use super::uncertainty::{Halves, WORST_TIME_ERROR};
+use super::uncertainty::{Halves, Noisy, WORST_TIME_ERROR};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, LEAST_ARRIVALS, List, Record};
 use crate::bands::BAND_COUNT;
+use crate::response::Echogram;
 use crate::serialised::finite;
 use serde::{Deserialize, Serialize};
 
@@ -42,14 +43,27 @@ const UNKNOWN_NOISE: f64 = 4.0;
 /// reduce may use up the remainder.
 const LEAST_NOISE_SHARE: f64 = 0.5;
 
+/// Factors of the numbers of waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::response) struct Growth {
+    /// Of the waves of early arrivals.
+    pub early: f64,
+    /// Of the waves of the onset.
+    pub onset: f64,
+    /// Of the waves that are followed to the record's end.
+    pub followed: f64,
+}
+
 /// The demand of a band's figure for waves, as factors of their number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Demand {
     /// The variance of the noise relative to the variance that the accuracy allows.
     pub noise: f64,
-    /// The share of the variance that the arrivals of the onset cause, 0 … 1.
+    /// The share of the variance that the waves of early arrivals cause, 0 … 1.
+    pub early_share: f64,
+    /// The share of the variance that the other waves cause in the onset, 0 … 1 − `early_share`.
     pub onset_share: f64,
-    /// The factor until the figure is reported; 0 if it is.
+    /// The factor until the figure is reported; 0 if it is, and if its noise alone withholds it.
     pub least: f64,
 }
 
@@ -67,29 +81,40 @@ impl Demand {
         }
     }
 
-    /// The variance relative to the allowed variance that is left if the waves of the onset grow by `onset` and the
-    /// followed waves by `followed`; more than 1 also if the figure is not reported.
-    pub fn left(&self, onset: f64, followed: f64) -> f64 {
+    /// The variance relative to the allowed variance that is left after the growth; more than 1 also if the figure is not
+    /// reported.
+    pub fn left(&self, growth: Growth) -> f64 {
         if !self.least.is_finite() {
             return 0.0;
         }
-        let early = self.onset_share * self.noise / onset;
-        let late = (1.0 - self.onset_share) * self.noise / followed;
-        (early + late).max(self.least / followed)
+        let late_share = 1.0 - self.early_share - self.onset_share;
+        let early = self.early_share / growth.early;
+        let left = early + self.onset_share / growth.onset + late_share / growth.followed;
+        (self.noise * left).max(self.least / growth.followed)
     }
 
-    /// The factor of the waves of the onset that fulfils the demand, if the number of waves that are followed to the end
-    /// grows by `followed`. Infinite if no number does.
-    pub fn onset_factor(&self, followed: f64) -> f64 {
+    /// The factor of the waves of the onset that fulfils the demand with this growth of the other waves. Infinite if no
+    /// number does.
+    pub fn onset_factor(&self, growth: Growth) -> f64 {
         if !self.is_open() {
             return 0.0;
         }
-        let late = (1.0 - self.onset_share) * self.noise / followed;
-        match self.least <= followed && late < 1.0 {
-            true => self.onset_share * self.noise / (1.0 - late),
+        let late_share = 1.0 - self.early_share - self.onset_share;
+        let others = self.early_share / growth.early + late_share / growth.followed;
+        let others = self.noise * others;
+        match self.least <= growth.followed && others < 1.0 {
+            true => self.onset_share * self.noise / (1.0 - others),
             false => f64::INFINITY,
         }
     }
+}
+
+/// The parts of a record whose noise different waves cause.
+pub(in crate::response) struct Parts<'a> {
+    /// The arrivals of the waves of early arrivals.
+    pub early: &'a Echogram,
+    /// The end of the onset in seconds after the source's impulse.
+    pub onset_s: f64,
 }
 
 impl Figures {
@@ -171,47 +196,67 @@ impl Figures {
         Some(demand.least.max(demand.noise))
     }
 
-    /// What each defined figure demands of the number of waves. `record` is that of the figures, and `onset_s` the end of
-    /// its onset in seconds after the source's impulse; without it the onset has no share.
+    /// What each defined figure demands of the numbers of waves. `record` is that of the figures. Without `parts` all noise
+    /// is that of the waves that are followed to the record's end.
     pub(in crate::response) fn demands(
         &self,
         accuracy: f64,
         record: &Record,
         direct_s: Option<f64>,
-        onset_s: Option<f64>,
+        parts: Option<Parts>,
     ) -> Vec<Demand> {
-        let until = onset_s.map(|onset_s| record.echogram.bins_before(onset_s));
-        let of_onset = until.map(|until| Halves::new(record, direct_s, until));
-        let bands = (0..BAND_COUNT).flat_map(|band| (0..FIGURE_COUNT).map(move |of| (band, of)));
-        let demand = |(band, figure): (usize, usize)| {
-            let demand = self.demand(accuracy, band, figure)?;
-            let precision = &self.precision[band][figure];
-            let arrivals = record.echogram.effective_arrivals(band, self.begins_s?);
-            let part = |halves: &Halves| {
-                let noise = halves.noise(band, &precision_values(&self.precision[band]), arrivals);
-                let share = (noise[figure]? / precision.noise?).powi(2);
-                Some(share.clamp(0.0, 1.0)).filter(|share| share.is_finite())
-            };
-            let onset_share = of_onset.as_ref().and_then(part).unwrap_or(0.0);
-            Some(Demand {
-                onset_share,
-                ..demand
-            })
-        };
-        bands.filter_map(demand).collect()
+        let halves = parts.map(|Parts { early, onset_s }| {
+            let until = record.echogram.bins_before(onset_s);
+            [Noisy::Arrivals(early), Noisy::Before(until)]
+                .map(|noisy| Halves::new(record, direct_s, noisy))
+        });
+        let mut demands = Vec::new();
+        for band in 0..BAND_COUNT {
+            let precision = &self.precision[band];
+            let noise = halves.as_ref().map(|halves| {
+                let arrivals = self.begins_s.map_or(0.0, |begins_s| {
+                    record.echogram.effective_arrivals(band, begins_s)
+                });
+                let values = precision_values(precision);
+                halves
+                    .each_ref()
+                    .map(|of| of.noise(band, &values, arrivals))
+            });
+            for figure in 0..FIGURE_COUNT {
+                let share = |part: usize| {
+                    let part = noise.as_ref()?[part][figure]?;
+                    let share = (part / precision[figure].noise?).powi(2);
+                    Some(share.min(1.0)).filter(|share| share.is_finite())
+                };
+                let [early, onset] = [0, 1].map(|part| share(part).unwrap_or(0.0));
+                // Early arrivals are a part of the onset.
+                let demand = self.demand(accuracy, band, figure).map(|demand| Demand {
+                    early_share: early,
+                    onset_share: (onset - early).max(0.0),
+                    ..demand
+                });
+                demands.extend(demand);
+            }
+        }
+        demands
     }
 
     fn demand(&self, accuracy: f64, band: usize, figure: usize) -> Option<Demand> {
         let demand = |noise: f64, least: f64| {
             Some(Demand {
                 noise,
+                early_share: 0.0,
                 onset_share: 0.0,
                 least,
             })
         };
         let precision = &self.precision[band][figure];
         let value = precision.value?;
-        let least = self.waves_to_report(band, figure).unwrap_or(0.0);
+        let least = match self.withheld(band, figure) {
+            // Less noise than the accuracy allows reports the figure.
+            Some(Withheld::Noise(Some(_))) => 0.0,
+            _ => self.waves_to_report(band, figure).unwrap_or(0.0),
+        };
         let tolerance = Figures::tolerance(accuracy, figure, value);
         let error = self.errors[band].list()[figure].unwrap_or(0.0);
         let noise = match precision.noise {

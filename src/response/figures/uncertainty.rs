@@ -9,6 +9,7 @@
 use super::pieces::{Origin, Record};
 use super::{BandFigures, FIGURE_COUNT, Figures, List, lists};
 use crate::bands::{self, BAND_COUNT, Bands};
+use crate::response::Echogram;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -124,6 +125,39 @@ fn others(record: &Record, begins_s: f64) -> Option<[List; BAND_COUNT]> {
     Some(lists(&pieces, record.echogram.bin_s()).0)
 }
 
+/// The part of a record whose noise is determined. The rest is that of all batches.
+#[derive(Clone, Copy)]
+pub(super) enum Noisy<'a> {
+    /// The whole record.
+    All,
+    /// The bins before this one.
+    Before(usize),
+    /// These arrivals, which the record contains.
+    Arrivals(&'a Echogram),
+}
+
+impl Noisy<'_> {
+    /// The energy of a bin of `echogram` in the half of the batches for which `is_in` holds.
+    fn energy(self, echogram: &Echogram, bin: usize, is_in: &dyn Fn(usize) -> bool) -> Bands {
+        let twice = |of: &Echogram| {
+            let mut sum = [0.0; BAND_COUNT];
+            for batch in (0..of.batches()).filter(|&batch| is_in(batch)) {
+                bands::add(&mut sum, &of.batch_energy(bin, batch));
+            }
+            sum.map(|energy| 2.0 * energy)
+        };
+        match self {
+            Noisy::Before(until) if bin >= until => echogram.energy(bin),
+            Noisy::All | Noisy::Before(_) => twice(echogram),
+            Noisy::Arrivals(part) => {
+                let (all, mean, half) = (echogram.energy(bin), part.energy(bin), twice(part));
+                // A rounding error would otherwise be a negative energy.
+                std::array::from_fn(|band| (all[band] - mean[band]).max(0.0) + half[band])
+            }
+        }
+    }
+}
+
 /// The figures of halves of the batches.
 pub(super) struct Halves {
     lists: Vec<[List; BAND_COUNT]>,
@@ -139,22 +173,14 @@ impl Halves {
     ///
     /// Each half has a separate time origin, so that the errors include the uncertainty of the common origin.
     ///
-    /// Bins from `until` on are those of all batches, so that only the noise of earlier bins remains.
-    pub fn new(record: &Record, direct_s: Option<f64>, until: usize) -> Halves {
+    /// Only the noise of the part `noisy` remains.
+    pub fn new(record: &Record, direct_s: Option<f64>, noisy: Noisy) -> Halves {
         let echogram = record.echogram;
         let batches = echogram.batches();
         let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
         let of = |(half, complement): (usize, bool)| {
-            let energy = |bin: usize| {
-                if bin >= until {
-                    return echogram.energy(bin);
-                }
-                let mut sum = [0.0; BAND_COUNT];
-                for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
-                    bands::add(&mut sum, &echogram.batch_energy(bin, batch));
-                }
-                sum.map(|energy| 2.0 * energy)
-            };
+            let is_in = |batch: usize| is_in(half, batch) != complement;
+            let energy = |bin: usize| noisy.energy(echogram, bin, &is_in);
             let begins_s = record.origin(direct_s, energy)?.seconds;
             if begins_s >= record.ends_s {
                 return None;
@@ -332,7 +358,7 @@ impl Figures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::{Echogram, Tap};
+    use crate::response::Tap;
 
     /// The figures of a direct sound of energy 1 and of arrivals of 0.001 each. Their errors include the effect of one
     /// more such arrival.

@@ -6,7 +6,7 @@
 //! exceed their noise and the accepted bias in most bands, the sphere of late arrivals is rejected, and the inner
 //! sphere takes its place.
 
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
 use crate::response::{Arrival, Differences, Echogram, Record};
 
@@ -42,10 +42,14 @@ impl Difference {
         }
     }
 
-    /// Refines the bins before `until` in both spheres ([`Echogram::refine_before`]).
-    pub fn refine_before(&mut self, until: usize, shares: &Bands, other: &Difference) {
-        self.wide.refine_before(until, shares, &other.wide);
-        self.inner.refine_before(until, shares, &other.inner);
+    /// The echograms of both spheres.
+    pub fn echograms(&self) -> [&Echogram; 2] {
+        [&self.wide, &self.inner]
+    }
+
+    /// The echograms of both spheres.
+    pub fn echograms_mut(&mut self) -> [&mut Echogram; 2] {
+        [&mut self.wide, &mut self.inner]
     }
 
     /// The differences of the figures if the late arrivals of the record are those of the inner sphere.

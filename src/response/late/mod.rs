@@ -5,7 +5,8 @@
 //! ([`NearScattering`]).
 //!
 //! Late arrivals may come from fewer waves than the search for exact paths uses. Fewer waves only add noise to late
-//! sound, while a path that no wave finds is missing.
+//! sound, while a path that no wave finds is missing. Further waves may follow (`tally.rs`), and some waves may end after
+//! the onset (`onset.rs`).
 
 mod importance;
 mod inner;
@@ -13,9 +14,11 @@ mod onset;
 mod pilot;
 mod reach;
 mod sphere;
+mod tally;
 
 pub(super) use onset::Onset;
 pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};
+pub(super) use tally::Tally;
 
 use super::source_sound::Medium;
 use super::{ResponseSettings, transmission};
@@ -33,11 +36,11 @@ use glam::Vec3;
 use importance::Importance;
 pub(super) use inner::{Difference, are_biased};
 use pilot::Pilot;
-use sphere::NearScattering;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
+use tally::{FurtherWaves, Sums, WaveCounts};
 
 /// The share of the energy of all waves down to which waves are followed, −120 dB. A decay is audible over 60 dB, and
 /// if the listener is in another room than the source, the decay may begin 60 dB lower. The limit saves time in bands
@@ -67,7 +70,14 @@ pub(super) struct Heard<'a> {
 
 /// The arrivals of all waves at one listener.
 pub(super) struct Arrivals {
-    pub sums: Sums,
+    /// Late arrivals.
+    pub echogram: Echogram,
+    /// Sound scattered after few reflections, in the listener's own sphere, by its weight.
+    pub in_own_sphere: Echogram,
+    /// Arrivals that have passed solids and were not reflected.
+    pub straight: Echogram,
+    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
+    pub inner: Option<Difference>,
     /// The possible bias from the larger sphere alone: one standard deviation of the energy.
     pub bias: Echogram,
     pub counts: ArrivalCounts,
@@ -77,70 +87,116 @@ pub(super) struct Arrivals {
     pub travel_on: Option<bool>,
 }
 
-/// Sums of arrivals that no exact path replaces.
-#[derive(Clone)]
-pub(super) struct Sums {
-    /// Arrivals that remain statistical.
-    pub echogram: Echogram,
-    /// Arrivals that have passed solids and were not reflected.
-    pub straight: Echogram,
-    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
-    pub inner: Option<Difference>,
-}
-
-impl Arrivals {
-    /// No arrivals; `echogram` defines the bins.
-    fn none(late: &LateSphere, echogram: Echogram) -> Arrivals {
-        Arrivals {
-            bias: echogram.without_arrivals(),
-            sums: Sums {
-                straight: echogram.without_arrivals(),
-                inner: (late.inner_m.is_some()).then(|| Difference::none(&echogram)),
-                echogram,
-            },
-            counts: ArrivalCounts::of_none(),
-            early: Vec::new(),
-            travel_on: None,
-        }
-    }
-}
-
-/// Traces the waves past all listeners, which have one source. The echograms define the bins.
-pub(super) fn arrivals(
+/// Traces the waves past all listeners, which have one source, and adds their arrivals to the tallies `before`; without
+/// these, all waves are traced. A tally can only be extended by settings with an onset, and the same other settings.
+pub(super) fn tallies(
     tracer: &mut Tracer,
     heard: &[Heard],
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    echograms: Vec<Echogram>,
-) -> Result<Vec<Arrivals>, Error> {
-    let none = |(one, echogram): (&Heard, Echogram)| Arrivals::none(&one.late, echogram);
-    let mut found: Vec<Arrivals> = heard.iter().zip(echograms).map(none).collect();
+    before: Option<Vec<Tally>>,
+) -> Result<Vec<Tally>, Error> {
     let Some(first) = heard.first() else {
-        return Ok(found);
+        return Ok(Vec::new());
     };
+    let are_own = heard.iter().all(|one| !one.is_widened());
+    let is_same = settings.late_trace() == settings.trace && settings.onset.is_none();
+    let has_near = before.is_some() || !(are_own && is_same);
+    let mut tallies = match before {
+        Some(before) => before,
+        None => empty(heard, settings, has_near)?,
+    };
+    let begun = tallies[0].waves;
+    for tally in &mut tallies {
+        tally.begin_early(settings.trace.waves);
+    }
+    let further = WaveCounts::of(settings).beyond(begun);
     let solids = transmission::solids(first.pair, settings)?;
-    let how = ArrivalSettings {
-        resamples: true,
-        ..how.clone()
-    };
-    for bands in shader::band_groups(first.pair.scene) {
-        let how = how
-            .clone()
-            .with_bands(bands)
-            .with_least_energy(LEAST_ENERGY);
-        let (counts, travel_on) =
-            add_arrivals(&mut found, tracer, (heard, solids.as_ref()), settings, &how)?;
-        for found in &mut found {
-            found.counts = found.counts.and(counts);
-            found.travel_on = travel_on;
+    let mut followed: Vec<Sums> = tallies.iter().map(Tally::further).collect();
+    let mut ends_early = followed.clone();
+    for (group, bands) in shader::band_groups(first.pair.scene)
+        .into_iter()
+        .enumerate()
+    {
+        let mut how = ArrivalSettings {
+            resamples: true,
+            ..how.clone()
+        }
+        .with_bands(bands)
+        .with_least_energy(LEAST_ENERGY);
+        if has_near {
+            trace_early(tracer, heard, settings, &how, (group, &mut tallies))?;
+            how.iterations_in_chunk = chunk(heard, &tallies, group, &how);
+        }
+        let mut early = vec![Vec::new(); heard.len()];
+        let wide = |one: &Heard| one.late.detector(one.pair.listener);
+        let detectors: Vec<Detector> = heard.iter().map(wide).collect();
+        let mut late = LateWaves {
+            tracer,
+            heard,
+            detectors: &detectors,
+            how: &how,
+            solids: solids.as_ref(),
+            sums: &mut followed,
+            early: (!has_near).then_some(&mut early[..]),
+        };
+        let counts = late.trace(settings, further.clone(), &mut ends_early)?;
+        for (tally, early) in tallies.iter_mut().zip(early) {
+            tally.counts = tally.counts.and(counts);
+            tally.early.extend(early);
             // The arrivals come in chunks of iterations for each band group in turn.
-            found.early.sort_by(in_order);
-            found
+            tally.early.sort_by(in_order);
+            tally
                 .early
                 .dedup_by(|second, first| is_added(first, second));
         }
     }
-    Ok(found)
+    let until = |one: &Heard| {
+        let onset_s = settings.onset.map_or(0.0, |onset| onset.seconds);
+        one.medium.direct_s + onset_s
+    };
+    for ((tally, one), sums) in
+        (tallies.iter_mut().zip(heard)).zip(followed.into_iter().zip(ends_early))
+    {
+        let until = tally.sums.echogram.bins_before(until(one));
+        tally.extend(begun.and(&further), until, sums);
+    }
+    Ok(tallies)
+}
+
+/// The tallies of no waves.
+fn empty(
+    heard: &[Heard],
+    settings: &ResponseSettings,
+    has_near: bool,
+) -> Result<Vec<Tally>, Error> {
+    let tally = |one: &Heard| {
+        // Bins begin at the earliest possible arrival, so that the times 50 and 80 ms after this arrival lie on edges
+        // of bins.
+        let begins_s = one.medium.direct_s;
+        let bins = Echogram::with_edge_at(begins_s, settings.bin_s, settings.batches)?;
+        Ok(Tally::none(one, &bins, has_near))
+    };
+    heard.iter().map(tally).collect()
+}
+
+/// Iterations of a chunk of late arrivals in a band group.
+fn chunk(heard: &[Heard], tallies: &[Tally], group: usize, how: &ArrivalSettings) -> u32 {
+    let least = match heard.len() {
+        1 => LEAST_ITERATIONS,
+        _ => LEAST_ITERATIONS_SHARED,
+    };
+    let of_own = |tally: &Tally| tally.crossings.get(group).copied().unwrap_or(0.0);
+    let crossings = growth(heard) * tallies.iter().map(of_own).sum::<f64>();
+    iterations_in_chunk(crossings, least, how.iterations_in_chunk)
+}
+
+/// The ratio of the cross sections of the detectors of late arrivals and of the listeners.
+fn growth(heard: &[Heard]) -> f64 {
+    let square = |radius_m: f32| f64::from(radius_m).powi(2);
+    let late: f64 = heard.iter().map(|one| square(one.late.radius_m)).sum();
+    let own = heard.iter().map(|one| square(one.pair.listener.radius));
+    late / own.sum::<f64>()
 }
 
 /// Orders arrivals by wave, and along each wave by time.
@@ -159,118 +215,42 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Adds the arrivals of the waves that carry all of `how.bands`. Returns their counts, and whether waves travel on
-/// ([`Arrivals::travel_on`]).
-fn add_arrivals(
-    found: &mut [Arrivals],
+/// Traces further waves of early arrivals past the listeners' own spheres, in a band group.
+fn trace_early(
     tracer: &mut Tracer,
-    (heard, solids): (&[Heard], Option<&ExactScene>),
+    heard: &[Heard],
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-) -> Result<(ArrivalCounts, Option<bool>), Error> {
+    (group, tallies): (usize, &mut [Tally]),
+) -> Result<(), Error> {
+    let further = tallies[0].early_waves.clone();
+    if further.is_empty() {
+        return Ok(());
+    }
+    let few = how.clone().with_iterations(how.early_order + 1);
+    let few = few.with_least_energy(0.0);
+    let all = WavesToFollow::Numbers(further);
+    let own = |one: &Heard| Detector::of(one.pair.listener);
+    let own: Vec<Detector> = heard.iter().map(own).collect();
+    let mut sort = |arrival: Arrival| {
+        let of = arrival.detector as usize;
+        match (arrival.is_early, &mut tallies[of].near) {
+            (false, Some(near)) => heard[of].medium.add(&mut near.own, &arrival),
+            _ => tallies[of].early.push(arrival),
+        }
+    };
     let pair = heard[0].pair;
-    let trace = settings.late_trace();
-    let are_own = heard.iter().all(|one| !one.is_widened());
-    let is_once = are_own && trace == settings.trace && settings.onset.is_none();
-    let (waves, mut near) = match is_once {
-        true => (settings.trace.clone(), None),
-        false => (trace, Some(NearListeners::none(heard, found))),
-    };
-    let mut how = how.clone();
-    let mut travel_on = None;
-    if let Some(near) = &mut near {
-        let counts = near.trace(tracer, heard, settings, &how, found)?;
-        let crossings = near.growth * crossings_an_iteration(&counts);
-        let least = match heard.len() {
-            1 => LEAST_ITERATIONS,
-            _ => LEAST_ITERATIONS_SHARED,
-        };
-        how.iterations_in_chunk = iterations_in_chunk(crossings, least, how.iterations_in_chunk);
-        // With scattering, sound is late after fewer reflections.
-        travel_on = (!pair.scene.scatters()).then_some(counts.cut_off > 0);
+    let heard_in = (pair, &own[..]);
+    let followed =
+        tracer.arrivals_through(heard_in, &settings.trace, &few, &all, &mut sort, None)?;
+    // With scattering, sound is late after fewer reflections.
+    let travel_on = (!pair.scene.scatters()).then_some(followed.counts.cut_off > 0);
+    let crossings = crossings_an_iteration(&followed.counts()) / heard.len() as f64;
+    for tally in tallies {
+        tally.crossings.resize(group + 1, crossings);
+        tally.travel_on = travel_on;
     }
-    // Surfaces that focus sound spread waves of one direction, so pilot waves predict little in such scenes.
-    let pilot_waves = match are_own {
-        true => 0,
-        false => importance::pilot_waves(pair.scene, &how.bands, &waves),
-    };
-    let wide = |one: &Heard| one.late.detector(one.pair.listener);
-    let detectors: Vec<Detector> = heard.iter().map(wide).collect();
-    let mut late = LateWaves {
-        tracer,
-        heard,
-        detectors: &detectors,
-        how: &how,
-        solids,
-        found,
-        near: near.as_mut().map(|near| &mut near.listeners[..]),
-    };
-    let followed = match late.near.is_some() {
-        true => late.follow_all(&waves, pilot_waves, settings.batches)?,
-        // These waves are also the waves of early arrivals, whose directions the settings determine.
-        false => late.follow(&waves, &WavesToFollow::Numbers(0..waves.waves), None)?,
-    };
-    let mut counts = followed.counts();
-    if let Some(onset) = settings.onset {
-        counts.step_limit_reached += late.refine(onset, &waves)?;
-    }
-    if let Some(near) = near {
-        for (near, found) in near.listeners.iter().zip(found) {
-            near.add_to(&mut found.sums.echogram, &mut found.bias);
-        }
-    }
-    Ok((counts, travel_on))
-}
-
-/// Sound scattered after few reflections, at all listeners.
-struct NearListeners {
-    listeners: Vec<NearScattering>,
-    /// The ratio of the cross sections of the detectors of late arrivals and of the listeners.
-    growth: f64,
-}
-
-impl NearListeners {
-    fn none(heard: &[Heard], found: &[Arrivals]) -> NearListeners {
-        let none = |(one, found): (&Heard, &Arrivals)| {
-            NearScattering::new(one.pair, &one.late, &found.sums.echogram)
-        };
-        let square = |radius_m: f32| f64::from(radius_m).powi(2);
-        let late: f64 = heard.iter().map(|one| square(one.late.radius_m)).sum();
-        let own = heard.iter().map(|one| square(one.pair.listener.radius));
-        NearListeners {
-            listeners: heard.iter().zip(found).map(none).collect(),
-            growth: late / own.sum::<f64>(),
-        }
-    }
-
-    /// Traces the waves of early arrivals past the listeners' own spheres.
-    fn trace(
-        &mut self,
-        tracer: &mut Tracer,
-        heard: &[Heard],
-        settings: &ResponseSettings,
-        how: &ArrivalSettings,
-        found: &mut [Arrivals],
-    ) -> Result<ArrivalCounts, Error> {
-        let few = how.clone().with_iterations(how.early_order + 1);
-        let few = few.with_least_energy(0.0);
-        let all = WavesToFollow::Numbers(0..settings.trace.waves);
-        let own: Vec<Detector> = heard
-            .iter()
-            .map(|one| Detector::of(one.pair.listener))
-            .collect();
-        let mut sort = |arrival: Arrival| {
-            let of = arrival.detector as usize;
-            match arrival.is_early {
-                true => found[of].early.push(arrival),
-                false => heard[of].medium.add(&mut self.listeners[of].own, &arrival),
-            }
-        };
-        let heard_in = (heard[0].pair, &own[..]);
-        let followed =
-            tracer.arrivals_through(heard_in, &settings.trace, &few, &all, &mut sort, None)?;
-        Ok(followed.counts)
-    }
+    Ok(())
 }
 
 /// Waves whose late arrivals are added to the echograms of the listeners.
@@ -281,15 +261,57 @@ struct LateWaves<'a> {
     how: &'a ArrivalSettings,
     /// The solids that waves may pass; `None` without transmission.
     solids: Option<&'a ExactScene>,
-    found: &'a mut [Arrivals],
-    /// Sound scattered after few reflections, if other waves have traced early arrivals. It is empty if there are pilot
-    /// waves, because these are only mirrored. `None` if these waves trace early arrivals too.
-    near: Option<&'a mut [NearScattering]>,
+    sums: &'a mut [Sums],
+    /// Early arrivals, if these waves trace them too.
+    early: Option<&'a mut [Vec<Arrival>]>,
 }
 
 impl LateWaves<'_> {
+    /// Traces the waves with these settings. `further` are the numbers of waves that start evenly, if there is an onset;
+    /// those that end after it are added to `ends_early`.
+    fn trace(
+        &mut self,
+        settings: &ResponseSettings,
+        further: FurtherWaves,
+        ends_early: &mut [Sums],
+    ) -> Result<ArrivalCounts, Error> {
+        let trace = settings.late_trace();
+        let Some(onset) = settings.onset else {
+            return Ok(self.follow_all(&trace, settings.batches)?.counts());
+        };
+        let trace = trace.with_waves(further.onset.end);
+        let followed = WavesToFollow::Numbers(further.followed);
+        let mut counts = self.follow(&trace, &followed, None)?.counts();
+        let mut early_end = LateWaves {
+            tracer: &mut *self.tracer,
+            heard: self.heard,
+            detectors: self.detectors,
+            how: &onset.settings(self.heard, self.how),
+            solids: self.solids,
+            sums: ends_early,
+            early: None,
+        };
+        let ending = WavesToFollow::Numbers(further.onset);
+        let further = early_end.follow(&trace, &ending, None)?;
+        counts.step_limit_reached += further.counts.step_limit_reached;
+        Ok(counts)
+    }
+
+    /// Traces all waves. If these waves also trace early arrivals, the settings determine their directions.
+    fn follow_all(&mut self, trace: &Settings, batches: usize) -> Result<Followed, Error> {
+        if self.early.is_some() {
+            return self.follow(trace, &WavesToFollow::Numbers(0..trace.waves), None);
+        }
+        // Surfaces that focus sound spread waves of one direction, so pilot waves predict little in such scenes.
+        let pilot_waves = match self.heard.iter().any(Heard::is_widened) {
+            true => importance::pilot_waves(self.heard[0].pair.scene, &self.how.bands, trace),
+            false => 0,
+        };
+        self.follow_after_pilot(trace, pilot_waves, batches)
+    }
+
     /// Traces all waves. The first waves, the pilot waves, decide whether the other waves start evenly.
-    fn follow_all(
+    fn follow_after_pilot(
         &mut self,
         trace: &Settings,
         pilot_waves: u32,
@@ -298,7 +320,7 @@ impl LateWaves<'_> {
         if pilot_waves == 0 {
             return self.follow_without_pilot(trace, batches);
         }
-        let before: Vec<Sums> = self.found.iter().map(|found| found.sums.clone()).collect();
+        let before = self.sums.to_vec();
         let half = pilot_waves / 2;
         let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
         pilot.begin(half);
@@ -311,9 +333,7 @@ impl LateWaves<'_> {
             return Ok(first.and(self.follow(trace, &numbers, None)?));
         };
         let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
-        for (found, before) in self.found.iter_mut().zip(before) {
-            found.sums = before;
-        }
+        self.sums.clone_from_slice(&before);
         let waves = trace.waves - pilot_waves;
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
@@ -361,40 +381,6 @@ impl LateWaves<'_> {
         Ok(Importance::refined(&pilot, &directions))
     }
 
-    /// Follows further waves through the onset, after the waves of these settings were followed to the end. Returns the
-    /// number of further waves that were lost at the step limit.
-    fn refine(&mut self, onset: Onset, trace: &Settings) -> Result<u64, Error> {
-        let none = |(one, found): (&Heard, &Arrivals)| {
-            Arrivals::none(&one.late, found.sums.echogram.without_arrivals())
-        };
-        let mut found: Vec<Arrivals> = self.heard.iter().zip(self.found.iter()).map(none).collect();
-        let mut near = NearListeners::none(self.heard, &found).listeners;
-        let mut further = LateWaves {
-            tracer: &mut *self.tracer,
-            heard: self.heard,
-            detectors: self.detectors,
-            how: &onset.settings(self.heard, self.how),
-            solids: self.solids,
-            found: &mut found,
-            near: Some(&mut near),
-        };
-        let numbers = WavesToFollow::Numbers(trace.waves..onset.waves);
-        let trace_of_onset = trace.clone().with_waves(onset.waves);
-        let followed = further.follow(&trace_of_onset, &numbers, None)?;
-        let shares = onset.shares(trace.waves, &self.how.bands);
-        for (index, one) in self.heard.iter().enumerate() {
-            let sums = &mut self.found[index].sums;
-            let until = (sums.echogram).bins_before(one.medium.direct_s + onset.seconds);
-            sums.refine_before(until, &shares, &found[index].sums);
-            if let Some(own) = &mut self.near {
-                own[index]
-                    .wide
-                    .refine_before(until, &shares, &near[index].wide);
-            }
-        }
-        Ok(followed.counts.step_limit_reached)
-    }
-
     fn follow(
         &mut self,
         trace: &Settings,
@@ -403,13 +389,13 @@ impl LateWaves<'_> {
     ) -> Result<Followed, Error> {
         let (pair, heard, solids) = (self.heard[0].pair, self.heard, self.solids);
         let early_order = self.how.early_order;
-        let late = RefCell::new((&mut *self.found, pilot));
-        let mut near = self.near.as_deref_mut();
+        let late = RefCell::new((&mut *self.sums, pilot));
+        let mut early = self.early.as_deref_mut();
         let add = |arrival: &Arrival| {
-            let (found, pilot) = &mut *late.borrow_mut();
+            let (sums, pilot) = &mut *late.borrow_mut();
             let of = arrival.detector as usize;
             let medium = heard[of].medium;
-            found[of].sums.add(medium, arrival);
+            sums[of].add(medium, arrival);
             if let Some(pilot) = pilot {
                 let seconds = arrival.length_m / medium.speed;
                 pilot.add(arrival.wave, seconds, &medium.heard(arrival));
@@ -417,20 +403,25 @@ impl LateWaves<'_> {
         };
         let mut take = |arrival: Arrival| {
             let of = arrival.detector as usize;
-            match &mut near {
-                Some(_) if arrival.is_early => (),
-                Some(near) if arrival.reflections <= early_order => {
-                    heard[of].medium.add(&mut near[of].wide, &arrival);
+            if arrival.is_early {
+                if let Some(early) = &mut early {
+                    early[of].push(arrival);
                 }
-                None if arrival.is_early => late.borrow_mut().0[of].early.push(arrival),
-                _ => add(&arrival),
+                return;
             }
+            match &mut late.borrow_mut().0[of].near {
+                Some(near) if arrival.reflections <= early_order => {
+                    return heard[of].medium.add(near, &arrival);
+                }
+                _ => (),
+            }
+            add(&arrival);
         };
         let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids?, hit);
         let mut passed = |arrival: Arrival| match arrival.reflections {
             0 => {
                 let of = arrival.detector as usize;
-                let sums = &mut late.borrow_mut().0[of].sums;
+                let sums = &mut late.borrow_mut().0[of];
                 heard[of].medium.add(&mut sums.straight, &arrival);
             }
             _ => add(&arrival),
@@ -449,25 +440,6 @@ impl Heard<'_> {
     /// Whether the sphere of late arrivals is larger than the listener.
     fn is_widened(&self) -> bool {
         self.late.radius_m > self.pair.listener.radius
-    }
-}
-
-impl Sums {
-    /// Refines the bins before `until` ([`Echogram::refine_before`]).
-    fn refine_before(&mut self, until: usize, shares: &Bands, other: &Sums) {
-        self.echogram.refine_before(until, shares, &other.echogram);
-        self.straight.refine_before(until, shares, &other.straight);
-        if let (Some(inner), Some(other)) = (&mut self.inner, &other.inner) {
-            inner.refine_before(until, shares, other);
-        }
-    }
-
-    /// Adds a late arrival.
-    fn add(&mut self, medium: &Medium, arrival: &Arrival) {
-        medium.add(&mut self.echogram, arrival);
-        if let Some(inner) = &mut self.inner {
-            inner.add(medium, arrival);
-        }
     }
 }
 

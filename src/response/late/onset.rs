@@ -5,10 +5,10 @@
 //! arrivals are strong, and take more waves. Waves that end after the onset take a fraction of the time.
 //!
 //! The bins of the onset hold the mean over all waves, the later bins the mean over the waves that are followed to the
-//! end. A wave has the same batch in both parts, so that the spread of the batches contains the noise of both.
+//! end (`tally.rs`). A wave has the same batch in both parts, so that the spread of the batches contains the noise of
+//! both.
 
 use super::Heard;
-use crate::bands::Bands;
 use crate::scene::Pair;
 use crate::shader::{self, Materials};
 use crate::tracer::{ArrivalSettings, Directions};
@@ -17,7 +17,9 @@ use std::ops::Range;
 /// The waves of the onset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Onset {
-    /// Number of waves that are followed through the onset, including those that are followed to the record's end.
+    /// Number of waves that are followed to the record's end.
+    pub followed: u32,
+    /// Number of waves that are followed through the onset, including those.
     pub waves: u32,
     /// Length of the onset after the direct sound, in seconds.
     pub seconds: f64,
@@ -63,12 +65,5 @@ impl Onset {
             seconds: latest_s.min(how.seconds),
             ..how.clone()
         }
-    }
-
-    /// The factors for the energies of `waves` waves in these bands, by which they become a part of the mean over all
-    /// waves of the onset; 1 in other bands.
-    pub(super) fn shares(&self, waves: u32, bands: &Range<usize>) -> Bands {
-        let share = f64::from(waves) / f64::from(self.waves);
-        std::array::from_fn(|band| if bands.contains(&band) { share } else { 1.0 })
     }
 }

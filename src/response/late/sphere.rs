@@ -226,24 +226,22 @@ fn gathers(scene: &Scene) -> bool {
 /// has three such images and the images of these images, so the factor is doubled.
 const BIAS: f64 = 0.4;
 
-/// The same arrivals in two spheres.
+/// Sound scattered after few reflections, in the listener's own sphere.
+#[derive(Clone)]
 pub(super) struct NearScattering {
     /// Arrivals in the listener's own sphere.
     pub own: Echogram,
-    /// Arrivals in the sphere of late arrivals.
-    pub wide: Echogram,
-    /// The assumed bias of `wide`, as a share of its energy.
+    /// The assumed bias of the same sound in the sphere of late arrivals, as a share of its energy.
     bias: f64,
 }
 
 impl NearScattering {
-    /// Empty echograms with the bins of `like`.
+    /// An empty echogram with the bins of `like`.
     pub fn new(pair: Pair, late: &LateSphere, like: &Echogram) -> NearScattering {
         let square = f64::from(late.radius_m).powi(2) / nearest_image_m2(pair);
         let is_wider = late.radius_m > pair.listener.radius;
         NearScattering {
             own: like.without_arrivals(),
-            wide: like.without_arrivals(),
             // The bias is at most the whole energy, even with source and listener at the same point on a wall.
             bias: if is_wider {
                 (BIAS * square).min(1.0)
@@ -253,20 +251,22 @@ impl NearScattering {
         }
     }
 
-    /// Adds the weighted mean of the two echograms to `echogram`, and its possible bias to `bias`.
-    pub fn add_to(&self, echogram: &mut Echogram, bias: &mut Echogram) {
-        let weights: Bands = std::array::from_fn(|band| self.weight_of_wide(band));
-        echogram.add_scaled(&self.own, &weights.map(|weight| 1.0 - weight));
-        echogram.add_scaled(&self.wide, &weights);
-        bias.add_scaled(&self.wide, &weights.map(|weight| weight * self.bias));
+    /// Adds the two parts of the weighted mean of this sound and `wide`, the same sound in the sphere of late arrivals, to
+    /// the two `sums`, and the possible bias of `wide` to `bias`.
+    pub fn add_to(&self, wide: &Echogram, sums: [&mut Echogram; 2], bias: &mut Echogram) {
+        let weights: Bands = std::array::from_fn(|band| self.weight_of(wide, band));
+        let [own_part, wide_part] = sums;
+        own_part.add_scaled(&self.own, &weights.map(|weight| 1.0 - weight));
+        wide_part.add_scaled(wide, &weights);
+        bias.add_scaled(wide, &weights.map(|weight| weight * self.bias));
     }
 
     /// The weight of the larger sphere, 0 … 1, that minimises the mean square error: the relative variance of a sum of
     /// n arrivals is 1/n.
-    fn weight_of_wide(&self, band: usize) -> f64 {
+    fn weight_of(&self, wide: &Echogram, band: usize) -> f64 {
         let (own, wide) = (
             self.own.effective_arrivals(band, 0.0),
-            self.wide.effective_arrivals(band, 0.0),
+            wide.effective_arrivals(band, 0.0),
         );
         if wide == 0.0 {
             return 0.0;
@@ -440,14 +440,14 @@ mod tests {
         let of = |bias: f64| {
             let near = NearScattering {
                 own: with_arrivals(100),
-                wide: with_arrivals(10_000),
                 bias,
             };
-            let mut sums = [0, 1].map(|_| Echogram::new(1e-3, 4).expect("a good bin"));
-            let [echogram, biased] = &mut sums;
-            near.add_to(echogram, biased);
-            assert!((echogram.total()[3] - 1.0).abs() < 1e-12);
-            (near.weight_of_wide(3), biased.total()[3])
+            let wide = with_arrivals(10_000);
+            let mut sums = [0, 1, 2].map(|_| Echogram::new(1e-3, 4).expect("a good bin"));
+            let [own_part, wide_part, biased] = &mut sums;
+            near.add_to(&wide, [own_part, wide_part], biased);
+            assert!((own_part.total()[3] + wide_part.total()[3] - 1.0).abs() < 1e-12);
+            (near.weight_of(&wide, 3), biased.total()[3])
         };
         let (near, far) = (of(1.0), of(0.001));
         assert!(near.0 < 0.01 && far.0 > 0.98, "{near:?} {far:?}");

@@ -1,0 +1,255 @@
+//! The tally of a listener: sums over the arrivals of all its waves. Further waves extend it.
+//!
+//! Where waves start evenly, the waves of a round are further waves of the rounds before: the bins of the onset hold the
+//! mean over all waves, the later bins the mean over the waves that are followed to the record's end. The waves that
+//! search for exact paths are the same in all rounds, and are traced once.
+
+use super::inner::Difference;
+use super::sphere::NearScattering;
+use super::{Arrivals, Heard};
+use crate::bands::BAND_COUNT;
+use crate::response::source_sound::Medium;
+use crate::response::{Arrival, Echogram, ResponseSettings};
+use crate::tracer::ArrivalCounts;
+use std::ops::Range;
+
+/// Numbers of waves for late arrivals.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct WaveCounts {
+    /// Number of waves that are followed to the record's end.
+    followed: u32,
+    /// Number of waves that are followed through the onset, including those.
+    onset: u32,
+}
+
+/// The numbers of further waves.
+#[derive(Clone)]
+pub(super) struct FurtherWaves {
+    /// The waves that are followed to the record's end.
+    pub followed: Range<u32>,
+    /// The waves that end after the onset.
+    pub onset: Range<u32>,
+}
+
+impl WaveCounts {
+    pub fn of(settings: &ResponseSettings) -> WaveCounts {
+        WaveCounts {
+            followed: settings.late_trace().waves,
+            onset: settings.onset_waves(),
+        }
+    }
+
+    /// The waves beyond those of `before`. All of them pass through the onset, and at least as many as before are followed
+    /// to the end.
+    pub fn beyond(&self, before: WaveCounts) -> FurtherWaves {
+        let ends = self.onset.max(before.onset);
+        let followed = self.followed.saturating_sub(before.followed);
+        let followed = followed.min(ends - before.onset);
+        FurtherWaves {
+            followed: before.onset..before.onset + followed,
+            onset: before.onset + followed..ends,
+        }
+    }
+
+    /// The counts after further waves.
+    pub fn and(self, further: &FurtherWaves) -> WaveCounts {
+        WaveCounts {
+            followed: self.followed + further.followed.len() as u32,
+            onset: further.onset.end,
+        }
+    }
+}
+
+/// Sums of arrivals that no exact path replaces.
+#[derive(Clone)]
+pub(super) struct Sums {
+    /// Arrivals that remain statistical.
+    pub echogram: Echogram,
+    /// Arrivals that have passed solids and were not reflected.
+    pub straight: Echogram,
+    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
+    pub inner: Option<Difference>,
+    /// Sound scattered after few reflections, in the sphere of late arrivals, if other waves trace early arrivals.
+    pub near: Option<Echogram>,
+}
+
+impl Sums {
+    /// No arrivals; `like` defines the bins.
+    fn none(one: &Heard, like: &Echogram, has_near: bool) -> Sums {
+        Sums {
+            echogram: like.without_arrivals(),
+            straight: like.without_arrivals(),
+            inner: (one.late.inner_m.is_some()).then(|| Difference::none(like)),
+            near: has_near.then(|| like.without_arrivals()),
+        }
+    }
+
+    /// Adds a late arrival.
+    pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
+        medium.add(&mut self.echogram, arrival);
+        if let Some(inner) = &mut self.inner {
+            inner.add(medium, arrival);
+        }
+    }
+
+    fn echograms(&self) -> impl Iterator<Item = &Echogram> {
+        let inner = self.inner.iter().flat_map(Difference::echograms);
+        let own = [&self.echogram, &self.straight];
+        own.into_iter().chain(&self.near).chain(inner)
+    }
+
+    fn echograms_mut(&mut self) -> impl Iterator<Item = &mut Echogram> {
+        let inner = self.inner.iter_mut().flat_map(Difference::echograms_mut);
+        let own = [&mut self.echogram, &mut self.straight];
+        own.into_iter().chain(&mut self.near).chain(inner)
+    }
+
+    /// Scales the bins before `until` by `before`, and the later bins by `after`.
+    fn scale_parts(&mut self, until: usize, before: f64, after: f64) {
+        for echogram in self.echograms_mut() {
+            echogram.scale_parts(until, before, after);
+        }
+    }
+
+    /// Adds the arrivals of other waves at the same listener.
+    fn add_sums(&mut self, others: &Sums) {
+        for (own, other) in self.echograms_mut().zip(others.echograms()) {
+            own.add_scaled(other, &[1.0; BAND_COUNT]);
+        }
+    }
+}
+
+/// The arrivals of all waves so far at one listener.
+#[derive(Clone)]
+pub(in crate::response) struct Tally {
+    pub(super) sums: Sums,
+    /// Sound scattered after few reflections, if other waves than those of late arrivals trace early arrivals.
+    pub(super) near: Option<NearScattering>,
+    /// Early arrivals, counted in the listener's own sphere.
+    pub(super) early: Vec<Arrival>,
+    /// The numbers of the waves of early arrivals that are traced next, after those that are traced.
+    pub(super) early_waves: Range<u32>,
+    pub(super) counts: ArrivalCounts,
+    /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
+    pub(super) travel_on: Option<bool>,
+    /// Mean crossings of the listener's own sphere per wave and iteration, by band group, from the waves of early
+    /// arrivals.
+    pub(super) crossings: Vec<f64>,
+    /// The waves so far.
+    pub(super) waves: WaveCounts,
+}
+
+impl Tally {
+    /// The tally of no waves; `echogram` defines the bins. `has_near` says whether other waves than those of late
+    /// arrivals trace early arrivals.
+    pub(super) fn none(one: &Heard, echogram: &Echogram, has_near: bool) -> Tally {
+        Tally {
+            sums: Sums::none(one, echogram, has_near),
+            near: has_near.then(|| NearScattering::new(one.pair, &one.late, echogram)),
+            early: Vec::new(),
+            early_waves: 0..0,
+            counts: ArrivalCounts::of_none(),
+            travel_on: None,
+            crossings: Vec::new(),
+            waves: WaveCounts::default(),
+        }
+    }
+
+    /// Prepares the early arrivals for further waves, after which there are `waves`.
+    pub(super) fn begin_early(&mut self, waves: u32) {
+        let before = self.early_waves.end;
+        let share = f64::from(before) / f64::from(waves);
+        self.early_waves = before..waves.max(before);
+        if self.early_waves.is_empty() {
+            return;
+        }
+        for arrival in &mut self.early {
+            arrival
+                .energy
+                .iter_mut()
+                .for_each(|energy| *energy *= share);
+        }
+        if let Some(near) = &mut self.near {
+            near.own.scale_parts(0, share, share);
+        }
+    }
+
+    /// Sums without arrivals for further waves.
+    pub(super) fn further(&self) -> Sums {
+        let mut sums = self.sums.clone();
+        let empty = |echogram: &mut Echogram| *echogram = echogram.without_arrivals();
+        sums.echograms_mut().for_each(empty);
+        sums
+    }
+
+    /// Adds further waves, after which there are `waves`: those that are followed to the record's end, and those that end
+    /// after the onset, the bins before `until`. Their energies are shares of the energy of all waves of the onset.
+    pub(super) fn extend(
+        &mut self,
+        waves: WaveCounts,
+        until: usize,
+        (mut followed, mut onset): (Sums, Sums),
+    ) {
+        let before = self.waves;
+        let share = |part: u32, all: u32| f64::from(part) / f64::from(all);
+        let of_onset = share(before.onset, waves.onset);
+        let of_followed = share(before.followed, waves.followed);
+        self.sums.scale_parts(until, of_onset, of_followed);
+        followed.scale_parts(until, 1.0, share(waves.onset, waves.followed));
+        onset.scale_parts(until, 1.0, 0.0);
+        self.sums.add_sums(&followed);
+        self.sums.add_sums(&onset);
+        self.waves = waves;
+    }
+
+    /// The arrivals, with the sound scattered after few reflections.
+    pub fn into_arrivals(self) -> Arrivals {
+        let Sums {
+            mut echogram,
+            straight,
+            inner,
+            near: wide,
+        } = self.sums;
+        let mut bias = echogram.without_arrivals();
+        let mut in_own_sphere = echogram.without_arrivals();
+        if let (Some(near), Some(wide)) = (&self.near, &wide) {
+            near.add_to(wide, [&mut in_own_sphere, &mut echogram], &mut bias);
+        }
+        Arrivals {
+            echogram,
+            in_own_sphere,
+            straight,
+            inner,
+            bias,
+            counts: self.counts,
+            early: self.early,
+            travel_on: self.travel_on,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the rounds of an accuracy: the waves of all rounds have different numbers, none is left out, and the
+    /// waves that are followed to the end never outnumber those of the onset.
+    #[test]
+    fn further_waves_continue_the_numbers() {
+        let counts = |followed, onset| WaveCounts { followed, onset };
+        let first = counts(4, 16).beyond(WaveCounts::default());
+        assert_eq!((first.followed, first.onset), (0..4, 4..16));
+        let second = counts(8, 30).beyond(counts(4, 16));
+        assert_eq!((second.followed, second.onset), (16..20, 20..30));
+        let none = counts(4, 16).beyond(counts(4, 16));
+        assert!(none.followed.is_empty() && none.onset.is_empty());
+        let only_onset = counts(4, 20).beyond(counts(4, 16));
+        assert_eq!((only_onset.followed, only_onset.onset), (16..16, 16..20));
+        let limited = counts(12, 20).beyond(counts(4, 16));
+        assert_eq!(
+            (limited.followed.clone(), limited.onset.clone()),
+            (16..20, 20..20)
+        );
+        assert_eq!(counts(4, 16).and(&limited), counts(8, 20));
+    }
+}
