@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 
 /// The accuracy of a response's figures, and the limits of the effort for it.
 ///
-/// Waves are traced in rounds. Each round has as many waves as the errors of the round before require. The last round
+/// Waves are traced in rounds. The errors of a round determine the number of waves of the next round. The last round
 /// is the result. Where surfaces scatter in all bands and the source radiates evenly, a part of the waves ends after the
-/// first sixth of the record ([`onset_waves`](super::Response::onset_waves)). Otherwise the result equals a response with the same number of late
-/// waves ([`late_waves`](super::ResponseSettings::late_waves)).
+/// first sixth of the record ([`onset_waves`](super::Response::onset_waves)), and a round adds its waves to those of the
+/// rounds before. Otherwise the result equals a response with the same number of late waves
+/// ([`late_waves`](super::ResponseSettings::late_waves)).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
@@ -19,12 +20,12 @@ pub struct Accuracy {
     /// errors of the other figures are in proportion to the just noticeable differences: 0.2 dB for C50, C80 and G,
     /// 0.01 for D50, and 2 ms or 2 % for Ts, whichever is more, with 0.02.
     pub share: f64,
-    /// Maximum number of waves. By default waves times iterations are at most 100 million, where a wave that ends after
-    /// the onset counts as the part of a wave that it flies. This takes about 10 s in a room without users' fields on two
+    /// Maximum number of waves. By default waves times iterations are at most 100 million, where a wave that ends earlier
+    /// counts as the part of a wave that it flies. This takes about 10 s in a room without users' fields on two
     /// cores.
     pub most_waves: Option<u32>,
     /// Time limit in seconds; no limit by default. A round has no more waves than fit the remaining time, predicted from
-    /// the last round. The first round is always completed. The result depends on the speed of the
+    /// the rounds before. The first round is always completed. The result depends on the speed of the
     /// machine.
     #[serde(serialize_with = "finite")]
     pub time_limit_s: Option<f64>,

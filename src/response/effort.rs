@@ -35,8 +35,9 @@ const LONGER: f64 = 1.5;
 /// share withholds figures.
 const MOST_CUT_OFF: f64 = 1e-3;
 
-/// The least growth of a further round's flights. A round with less growth would not change the figures noticeably.
-const LEAST_MORE_FLIGHTS: f64 = 1.05;
+/// The least growth of a kind of waves for a further round. With less growth a round would not change the figures
+/// noticeably.
+const NOTICEABLE_GROWTH: f64 = 1.05;
 
 /// Factor between the numbers of waves that are compared, and how many of them: up to the greatest growth.
 const STEP: f64 = 1.15;
@@ -59,6 +60,9 @@ pub(super) struct Effort {
     /// The time of a wave of early arrivals, relative to the time of a wave that is followed to the record's end. 0 before
     /// the first round.
     early_share: f64,
+    /// Whether the round traces all its waves, although they could extend those of the round before: that round has more
+    /// waves of the onset than the limit of waves allows besides.
+    pub begins_anew: bool,
 }
 
 /// The time that rounds took, in seconds.
@@ -66,8 +70,8 @@ pub(super) struct Effort {
 pub(super) struct Took {
     /// The last round.
     pub last_s: f64,
-    /// All rounds, with the estimate of the length.
-    pub all_s: f64,
+    /// All rounds whose waves a further round extends; `None` if the listeners do not keep their waves.
+    pub extended_s: Option<f64>,
 }
 
 /// The onset of a record.
@@ -95,6 +99,7 @@ impl Effort {
             seconds,
             onset: None,
             early_share: 0.0,
+            begins_anew: false,
         };
         effort.of_pairs(pairs, settings)
     }
@@ -127,6 +132,7 @@ impl Effort {
             onset_waves: self.onset_waves.max(other.onset_waves),
             early_waves: self.early_waves.max(other.early_waves),
             seconds: self.seconds.max(other.seconds),
+            begins_anew: self.begins_anew || other.begins_anew,
             ..self
         }
     }
@@ -172,13 +178,13 @@ impl Effort {
         let early_iterations = settings.order_in(pair.scene) + 1;
         let now = Effort {
             early_share: f64::from(early_iterations.min(iterations)) / f64::from(iterations),
+            begins_anew: false,
             ..self
         };
         let demands = now.demands(traced, pair, accuracy);
         let grown = now.grown(&demands).within(now, iterations, accuracy);
-        let is_spent = grown.flight_s() < LEAST_MORE_FLIGHTS * now.flight_s();
-        match (demands.iter().any(Demand::is_open), is_spent) {
-            (true, false) => Some(Effort { seconds, ..grown }),
+        match demands.iter().any(Demand::is_open) && grown.exceeds(now) {
+            true => Some(Effort { seconds, ..grown }),
             _ if seconds > now.seconds => Some(Effort { seconds, ..now }),
             _ => None,
         }
@@ -192,6 +198,7 @@ impl Effort {
         let onset = self.onset.filter(|_| is_open);
         let parts = onset.map(|onset| Parts {
             early: &traced.in_own_sphere,
+            early_can_grow: traced.is_search_complete,
             onset_s: Medium::of(pair).direct_s + onset.length_s,
         });
         let taps = response.taps();
@@ -251,8 +258,22 @@ impl Effort {
     }
 
     /// Whether the waves of this effort are further waves of `last`: its waves start evenly, and the record is the same.
-    fn extends(self, last: Effort) -> bool {
-        self.onset.is_some() && self.onset == last.onset && self.seconds == last.seconds
+    pub fn extends(self, last: Effort) -> bool {
+        let is_same = self.onset == last.onset && self.seconds == last.seconds;
+        self.onset.is_some() && is_same && !self.begins_anew
+    }
+
+    /// Whether a round of this effort improves on one of `last` noticeably.
+    pub fn exceeds(self, last: Effort) -> bool {
+        self.seconds > last.seconds || self.grows(last, NOTICEABLE_GROWTH)
+    }
+
+    /// Whether a kind of waves is at least `factor` times that of `last`.
+    fn grows(self, last: Effort, factor: f64) -> bool {
+        let is_enough = |now: u32, last: u32| f64::from(now) >= factor * f64::from(last);
+        is_enough(self.waves, last.waves)
+            || is_enough(self.onset_waves, last.onset_waves)
+            || is_enough(self.early_waves, last.early_waves)
     }
 
     /// Time in seconds that all waves fly.
@@ -298,15 +319,14 @@ impl Effort {
         });
         let most_asked = accuracy.most_waves_asked();
         let onset_waves = limited.onset_waves.min(most_asked);
+        let waves = limited.waves.min(most_asked);
         // All waves pass through the onset.
         let most_further = onset_waves.saturating_sub(last.onset_waves);
-        let most = match self.extends(last) {
-            true => last.waves + most_further,
-            false => most_asked,
-        };
+        let is_too_many = self.extends(last) && waves > last.waves + most_further;
         Effort {
-            waves: limited.waves.min(most),
+            waves,
             onset_waves,
+            begins_anew: self.begins_anew || is_too_many,
             early_waves: limited.early_waves.min(most_asked.max(last.early_waves)),
             ..limited
         }
@@ -316,16 +336,17 @@ impl Effort {
     /// `None` if that is less than [`LEAST_GROWTH`] times the waves of `last`. The predicted time is rather too long,
     /// because parts of a round, such as the search for exact paths, do not grow with the waves.
     pub fn fitting(self, left_s: f64, last: Effort, took: Took) -> Option<Effort> {
-        let times_last = match self.extends(last) {
-            true => 1.0 + left_s / took.all_s,
-            false => left_s / took.last_s,
+        // The first round does not know the time of a wave of early arrivals.
+        let last = Effort {
+            early_share: self.early_share,
+            ..last
+        };
+        let times_last = match took.extended_s.filter(|_| self.extends(last)) {
+            Some(extended_s) => 1.0 + left_s / extended_s,
+            None => left_s / took.last_s,
         };
         let fitting = self.limited(last, last.flight_s() * times_last)?;
-        let grows = |waves: u32, last: u32| f64::from(waves) >= LEAST_GROWTH * f64::from(last);
-        let is_worth_it = fitting == self
-            || grows(fitting.waves, last.waves)
-            || grows(fitting.onset_waves, last.onset_waves)
-            || grows(fitting.early_waves, last.early_waves);
+        let is_worth_it = fitting == self || fitting.grows(last, LEAST_GROWTH);
         is_worth_it.then_some(fitting)
     }
 }
@@ -358,215 +379,4 @@ fn is_cut_off(response: &Response) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Scene;
-    use crate::gl::{Context, ContextOptions};
-    use crate::tracer::Tracer;
-
-    const EFFORT: Effort = Effort {
-        waves: 4096,
-        onset_waves: 16_384,
-        early_waves: 65_536,
-        seconds: 1.0,
-        onset: Some(OnsetTime {
-            length_s: 0.17,
-            share: 0.2,
-        }),
-        early_share: 0.0,
-    };
-
-    fn demand(noise: f64, onset_share: f64) -> Demand {
-        Demand {
-            noise,
-            early_share: 0.0,
-            onset_share,
-            least: 0.0,
-        }
-    }
-
-    /// The time of a first round.
-    fn took(seconds: f64) -> Took {
-        Took {
-            last_s: seconds,
-            all_s: seconds,
-        }
-    }
-
-    /// An effort without an onset.
-    fn even(waves: u32, seconds: f64) -> Effort {
-        Effort {
-            waves,
-            onset_waves: waves,
-            early_waves: 65_536,
-            seconds,
-            onset: None,
-            early_share: 0.0,
-        }
-    }
-
-    /// Protects the time of a response: noise of the onset asks for waves of the onset, noise of the late decay for waves
-    /// that are followed to the end, noise of early arrivals for waves that find exact paths, and accurate figures for
-    /// none.
-    #[test]
-    fn waves_are_added_where_the_noise_is() {
-        let grown = |demands: &[Demand]| EFFORT.grown(demands);
-        assert_eq!(grown(&[demand(0.9, 0.5)]), EFFORT);
-        let early = grown(&[demand(2.0, 1.0), demand(0.5, 0.0)]);
-        assert_eq!((early.waves, early.onset_waves), (4096, 39_321));
-        let late = grown(&[demand(2.0, 0.0)]);
-        let further = late.waves - 4096;
-        assert!(further >= 4096, "{late:?}");
-        assert_eq!(late.onset_waves, 16_384 + further);
-        let found = Demand {
-            early_share: 1.0,
-            ..demand(2.0, 0.0)
-        };
-        let early = grown(&[found, demand(0.5, 0.0)]);
-        assert!(early.early_waves >= 2 * 65_536, "{early:?}");
-        assert_eq!((early.waves, early.onset_waves), (4096, 16_384));
-        // Noise that takes more than the greatest growth takes about the greatest growth.
-        let much = grown(&[demand(1e4, 0.5)]);
-        assert!((12_288..=16_384).contains(&much.waves), "{much:?}");
-        assert_eq!(much.onset_waves, 65_536);
-        assert_eq!(even(4096, 1.0).grown(&[demand(2.0, 1.0)]).waves, 9830);
-    }
-
-    /// Protects rounds from efforts that are known to be too small: if the growth suffices for a demand, the demand is
-    /// fulfilled.
-    #[test]
-    fn demands_are_fulfilled_at_once() {
-        for noise in [1.5, 2.0, 2.5, 3.0] {
-            for share in [0.0, 0.2, 0.3, 0.5, 0.8, 1.0] {
-                let effort = EFFORT.grown(&[demand(noise, share)]);
-                let onset = f64::from(effort.onset_waves) / 16_384.0;
-                let followed = f64::from(effort.waves) / 4096.0;
-                let left = noise * (share / onset + (1.0 - share) / followed);
-                assert!(left <= 1.001, "{noise} {share}: {effort:?}, {left}");
-            }
-        }
-    }
-
-    /// Protects time limits: a round is made no longer than the time that is left, as the last round predicts it, and is
-    /// not begun if it would hardly improve the result.
-    #[test]
-    fn a_round_fits_the_time_that_is_left() {
-        let fitted = |wanted: Effort, left_s: f64| {
-            let fitting = wanted.fitting(left_s, even(1000, 1.0), took(2.0));
-            fitting.map(|effort| (effort.waves, effort.seconds))
-        };
-        assert_eq!(fitted(even(4000, 1.0), 8.0), Some((4000, 1.0)));
-        assert_eq!(fitted(even(4000, 1.0), 6.0), Some((3000, 1.0)));
-        assert_eq!(fitted(even(4000, 1.0), 3.0), Some((1500, 1.0)));
-        assert_eq!(fitted(even(4000, 1.0), 2.9), None);
-        // A longer record takes more time for each wave.
-        assert_eq!(fitted(even(4000, 1.5), 6.0), Some((2000, 1.5)));
-        assert_eq!(fitted(even(1000, 1.5), 3.0), Some((1000, 1.5)));
-        assert_eq!(fitted(even(1000, 1.5), 2.9), None);
-        // A small rest of the waves is traced if it fits.
-        assert_eq!(fitted(even(1100, 1.0), 2.5), Some((1100, 1.0)));
-        for left_s in [0.0, -1.0, f64::NAN] {
-            assert_eq!(fitted(even(4000, 1.0), left_s), None);
-        }
-    }
-
-    /// Protects the late decay and the onset from rounds with fewer waves than the round before: only the growth is
-    /// reduced to the limits.
-    #[test]
-    fn limits_reduce_growth_only() {
-        let wanted = Effort {
-            onset_waves: 65_536,
-            ..EFFORT
-        };
-        let half = wanted.fitting(1.5, EFFORT, took(2.0)).unwrap();
-        assert_eq!(half.waves, 4096);
-        assert!((24_576..50_000).contains(&half.onset_waves), "{half:?}");
-        let large = Effort {
-            waves: 100_000,
-            onset_waves: 400_000,
-            ..EFFORT
-        };
-        let wanted = Effort {
-            waves: 400_000,
-            onset_waves: 800_000,
-            ..EFFORT
-        };
-        // 100 million waves times iterations.
-        let within = wanted.within(large, 400, &Accuracy::default());
-        assert!(
-            within.waves >= 100_000 && within.onset_waves >= 400_000,
-            "{within:?}"
-        );
-        assert!(within.flight_s() <= 250_000.0, "{within:?}");
-        let few = Accuracy::default().with_most_waves(4500);
-        let grown = Effort {
-            onset_waves: 65_536,
-            ..EFFORT
-        };
-        let asked = grown.within(even(4000, 1.0), 400, &few);
-        assert!(
-            asked.waves <= 4500 && asked.onset_waves <= 4500,
-            "{asked:?}"
-        );
-    }
-
-    /// A room whose walls scatter.
-    fn scattering_room() -> Scene {
-        let text = "Scene(surfaces: [Surface(shape: Room(size: (6, 3, 5)), material: \"m\")],
-            materials: {\"m\": Material(absorption: 0.3, scattering: 0.3)},
-            source: Source(position: (-1.5, 0.3, -1)), listener: Listener(position: (1.7, -0.2, 0.9), radius: 0.3))";
-        Scene::from_ron(text, "room").unwrap()
-    }
-
-    /// Protects the two parts of a record: the late bins are those of the followed waves alone, and the bins of the onset
-    /// have the energy of all waves, with less noise.
-    #[test]
-    fn only_the_onset_has_more_waves() {
-        let mut tracer =
-            Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
-        let scene = scattering_room();
-        let pair = scene.only_pair().unwrap();
-        // Without exact paths the listener's own sphere counts all arrivals.
-        let settings = ResponseSettings::default().with_order(0);
-        let mut trace = |waves: u32, onset_waves: u32| {
-            let effort = Effort {
-                onset_waves,
-                ..even(waves, 0.6)
-            };
-            // Without an onset all waves would be followed to the end.
-            let effort = effort.of_pairs(&[pair], &settings);
-            let settings = effort.settings(&settings);
-            Response::trace(&mut tracer, pair, &settings).unwrap()
-        };
-        let (few, dense, many) = (
-            trace(2048, 2048),
-            trace(2048, 32_768),
-            trace(32_768, 32_768),
-        );
-        let onset = even(1, 0.6).of_pairs(&[pair], &settings).onset.unwrap();
-        let until = (few.echogram).bins_before(Medium::of(pair).direct_s + onset.length_s);
-        assert!(until > 80 && few.echogram.bins() > 2 * until);
-        for bin in until..few.echogram.bins() {
-            assert_eq!(
-                few.echogram.energy(bin),
-                dense.echogram.energy(bin),
-                "{bin}"
-            );
-        }
-        let onset = |of: &Response| {
-            (0..until)
-                .map(|bin| of.echogram.energy(bin)[4])
-                .sum::<f64>()
-        };
-        let off_by = |of: &Response| (onset(of) / onset(&many) - 1.0).abs();
-        // Other waves of the same number would differ by 2 %.
-        assert!(off_by(&dense) < 0.02, "{}", off_by(&dense));
-        let noise = |of: &Response| of.figures.errors[4].c80_db.unwrap();
-        assert!(
-            noise(&dense) < 0.8 * noise(&few),
-            "{} {}",
-            noise(&dense),
-            noise(&few)
-        );
-    }
-}
+mod tests;

@@ -68,6 +68,7 @@ pub(super) fn response(
         diffracts: settings.diffracts(),
     };
     let part = EarlyPart::find(&search, &starts, early);
+    let is_search_complete = part.waves() == settings.trace.waves;
     let all_paths = part.heard(pair, medium);
     let is_hidden = direct(&all_paths).is_none();
     let mut paths = all_paths.clone();
@@ -116,6 +117,7 @@ pub(super) fn response(
         return Ok(Some(Traced {
             response,
             in_own_sphere,
+            is_search_complete,
         }));
     }
     let taps = taps(&paths);
@@ -174,6 +176,7 @@ pub(super) fn response(
     Ok(Some(Traced {
         response,
         in_own_sphere,
+        is_search_complete,
     }))
 }
 

@@ -8,7 +8,8 @@ use crate::error::Error;
 use crate::platform::Instant;
 use crate::tracer::Tracer;
 
-/// Maximum number of rounds: the limit of waves is reached in fewer, and the record may grow.
+/// Maximum number of rounds. A growth by a factor of 4 reaches the limit of waves in fewer rounds, but the record may
+/// become longer.
 const MOST_ROUNDS: u32 = 12;
 
 /// A round of responses with a requested accuracy.
@@ -18,7 +19,8 @@ pub struct Round<'a> {
     pub responses: &'a [Response],
     /// Number of listeners whose responses are complete after this round.
     pub finished: usize,
-    /// Number of waves of the next round, those that end after the onset included; `None` after the last round.
+    /// Number of late waves after the next round, those that end after the onset included; `None` after the last round.
+    /// It stays the same if only the followed waves or the waves of early arrivals grow.
     pub next_waves: Option<u32>,
 }
 
@@ -37,6 +39,7 @@ pub(super) fn trace(
     let mut open_indices: Vec<usize> = (0..pairs.len()).collect();
     let seconds = settings.seconds_of_pairs(tracer, &pairs)?;
     let mut next = Effort::first(&pairs, settings, accuracy, seconds);
+    let mut tallies_began_s = 0.0;
     for round in 1.. {
         let of_round = next.settings(settings);
         let before_s = began.elapsed().as_secs_f64();
@@ -57,13 +60,15 @@ pub(super) fn trace(
         let iterations = responses.iter().map(|response| response.counts.iterations);
         let most_iterations = iterations.max().unwrap_or(0);
         let all = all.map(|wanted| wanted.within(next, most_iterations, accuracy));
+        let all = all.filter(|wanted| wanted.exceeds(next));
         let all = all.and_then(|wanted| match accuracy.time_limit_s {
             Some(limit_s) => {
-                let took_s = Took {
+                let keeps_waves = open.keeps_waves(&of_round, next.seconds);
+                let took = Took {
                     last_s: elapsed_s - before_s,
-                    all_s: elapsed_s,
+                    extended_s: keeps_waves.then_some(elapsed_s - tallies_began_s),
                 };
-                wanted.fitting(limit_s - elapsed_s, next, took_s)
+                wanted.fitting(limit_s - elapsed_s, next, took)
             }
             None => Some(wanted),
         });
@@ -86,6 +91,10 @@ pub(super) fn trace(
         pairs = open.pairs();
         let mut is_kept = is_open.into_iter();
         open_indices.retain(|_| is_kept.next().unwrap_or(false));
+        if !effort.extends(next) {
+            open.begin_anew();
+            tallies_began_s = elapsed_s;
+        }
         next = match effort.seconds == next.seconds {
             true => effort,
             false => effort.of_pairs(&pairs, settings),

@@ -13,8 +13,8 @@ use crate::tracer::{ArrivalSettings, Tracer};
 /// Maximum bytes of the echograms of listeners that share waves. More listeners are traced one after another.
 const MOST_BYTES: f64 = 512e6;
 
-/// Number of echograms of a listener: all arrivals, both spheres, and copies for the errors.
-const ECHOGRAMS: f64 = 4.0;
+/// Number of echograms of a listener: all arrivals, both spheres, the same of further waves, and a copy for the errors.
+const ECHOGRAMS: f64 = 7.0;
 
 /// Listeners of one source in one scene.
 pub(super) struct Listeners<'a> {
@@ -30,6 +30,8 @@ pub(super) struct Traced {
     /// The arrivals in the listener's own sphere that no exact path replaces, a part of the response's echogram: the noise
     /// of the waves of early arrivals.
     pub in_own_sphere: Echogram,
+    /// Whether the paths of all early arrivals were searched for. Otherwise more waves of early arrivals add no paths.
+    pub is_search_complete: bool,
 }
 
 /// A listener of a source.
@@ -105,6 +107,16 @@ impl<'a> Listeners<'a> {
         Ok(traced.into_iter().map(timed).collect())
     }
 
+    /// Whether rounds of this length extend the waves of the rounds before. The tallies of many listeners are not kept.
+    pub fn keeps_waves(&self, settings: &ResponseSettings, seconds: f64) -> bool {
+        settings.onset.is_some() && self.all.len() <= most_together(settings, seconds)
+    }
+
+    /// Forgets the waves of earlier rounds.
+    pub fn begin_anew(&mut self) {
+        self.all.iter_mut().for_each(|one| one.tally = None);
+    }
+
     /// The responses of this length. The waves extend those of the call before if all waves start evenly and the length
     /// is the same. Where a sphere is rejected, its inner sphere takes its place.
     pub fn trace(
@@ -114,7 +126,7 @@ impl<'a> Listeners<'a> {
         seconds: f64,
     ) -> Result<Vec<Traced>, Error> {
         if seconds != self.seconds {
-            self.all.iter_mut().for_each(|one| one.tally = None);
+            self.begin_anew();
             self.seconds = seconds;
         }
         let mut responses = vec![None; self.all.len()];
@@ -163,13 +175,12 @@ impl<'a> Listeners<'a> {
         let before = indices.iter().map(|index| self.all[*index].tally.take());
         let before = before.collect::<Option<Vec<Tally>>>();
         let tallies = late::tallies(tracer, &heard, settings, &how, before)?;
-        let is_extended =
-            settings.onset.is_some() && self.all.len() <= most_together(settings, self.seconds);
+        let keeps_waves = self.keeps_waves(settings, self.seconds);
         let mut starts = StartDirections::default();
         let mut responses = Vec::new();
         for ((index, heard), tally) in indices.iter().zip(&heard).zip(tallies) {
-            let kept = is_extended.then(|| tally.clone());
-            let arrivals = tally.into_arrivals();
+            let arrivals = tally.arrivals();
+            let kept = keeps_waves.then_some(tally);
             let starts = starts.of_waves(tracer, &settings.trace, &arrivals.early)?;
             let response = response(tracer, heard, (arrivals, starts), settings, &how)?;
             let one = &mut self.all[*index];

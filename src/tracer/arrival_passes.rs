@@ -37,6 +37,8 @@ const OWN_VECTORS: usize = 40;
 /// The constant data of one call of [`Tracer::arrivals`].
 pub(super) struct Run {
     pub frame: PreparedFrame,
+    /// Number of the first wave from the source.
+    pub first_wave: u32,
     pub program: Rc<Program>,
     pub replay: Replay,
     /// The wave that starts at a texel.
@@ -196,7 +198,8 @@ impl Tracer {
                 None => Materials::of(pair.scene, how.bands.clone()),
                 Some(_) => Materials::with_transmission(pair.scene, how.bands.clone()),
             };
-            let run = tracer.prepare_arrivals((pair, detectors), &settings, how, materials)?;
+            let mut run = tracer.prepare_arrivals((pair, detectors), &settings, how, materials)?;
+            run.first_wave = waves.first();
             let mut counts = ArrivalCounts {
                 open_volume_m3: run.open_volume_m3,
                 ..ArrivalCounts::default()
@@ -219,10 +222,9 @@ impl Tracer {
                 passages.extend(thinned(of_block, most, run.passage_seed(1, numbers.start)));
             }
             if let Some(transmitting) = transmitting {
-                let are_heard = counts.arrivals > 0;
-                tracer.arrivals_of_passages(&run, (passages, are_heard), transmitting)?;
+                tracer.arrivals_of_passages(&run, (passages, &counts), transmitting)?;
             }
-            let waves = f64::from(settings.waves);
+            let waves = counts.waves.max(1) as f64;
             counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
             Ok(Followed { counts, cut_off_m })
         })
@@ -298,6 +300,7 @@ impl Tracer {
         let detector_values = detectors.iter().map(value).collect();
         self.provide_arrival_targets(&settings, &text)?;
         Ok(Run {
+            first_wave: 0,
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
             order,

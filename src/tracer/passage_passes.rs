@@ -3,8 +3,8 @@
 use super::Tracer;
 use super::arrival_passes::Run;
 use super::arrivals::{
-    LEAST_GENERATION, MOST_GENERATIONS, PASSAGE_SHARE, Passage, Transmitting, WAVES_IN_BLOCK, kept,
-    kept_beside_waves, loudest, thinned,
+    ArrivalCounts, LEAST_GENERATION, MOST_GENERATIONS, PASSAGE_SHARE, Passage, Transmitting,
+    WAVES_IN_BLOCK, kept, kept_beside_waves, loudest, thinned,
 };
 use super::block_waves::Waves;
 use crate::error::Error;
@@ -12,24 +12,25 @@ use crate::sampling::hash;
 use rayon::prelude::*;
 
 impl Run {
-    /// The seed of random numbers for passages of a generation and a block.
+    /// The seed of random numbers for passages of a generation and a block. Waves with other numbers have other passages.
     pub fn passage_seed(&self, generation: u32, block: u32) -> u64 {
         let which = u64::from(generation) << 32 | u64::from(block);
-        hash(hash(which).wrapping_add(self.frame.settings.seed.into()))
+        let seed = u64::from(self.first_wave) << 32 | u64::from(self.frame.settings.seed);
+        hash(hash(which).wrapping_add(seed))
     }
 }
 
 impl Tracer {
     /// Follows passages of waves, then the passages of these passages, and so on, until the energy of a generation is
-    /// negligible. `are_heard` states whether waves from the source arrived.
+    /// negligible. `counts` are those of the waves from the source.
     pub(super) fn arrivals_of_passages(
         &mut self,
         run: &Run,
-        (mut passages, are_heard): (Vec<Passage>, bool),
+        (mut passages, counts): (Vec<Passage>, &ArrivalCounts),
         transmitting: Transmitting,
     ) -> Result<(), Error> {
         let Transmitting { through, take } = transmitting;
-        let waves = run.frame.settings.waves;
+        let waves = (counts.waves as u32).max(1);
         let least = LEAST_GENERATION * f64::from(waves);
         for generation in 1..=MOST_GENERATIONS {
             let behind = passages.par_iter().filter_map(|one| one.behind(through));
@@ -38,7 +39,7 @@ impl Tracer {
             if energy <= least {
                 break;
             }
-            if are_heard {
+            if counts.arrivals > 0 {
                 let most = kept_beside_waves(waves, generation, energy / f64::from(waves));
                 behind = thinned(behind, most, !run.passage_seed(generation, 0));
             }

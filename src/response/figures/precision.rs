@@ -46,11 +46,11 @@ const LEAST_NOISE_SHARE: f64 = 0.5;
 /// Factors of the numbers of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Growth {
-    /// Of the waves of early arrivals.
+    /// The factor for the waves of early arrivals.
     pub early: f64,
-    /// Of the waves of the onset.
+    /// The factor for the waves of the onset.
     pub onset: f64,
-    /// Of the waves that are followed to the record's end.
+    /// The factor for the waves that are followed to the record's end.
     pub followed: f64,
 }
 
@@ -68,6 +68,20 @@ pub(in crate::response) struct Demand {
 }
 
 impl Demand {
+    /// The demand of the other noise, if the waves of early arrivals cannot grow.
+    fn without_early(self) -> Demand {
+        let others = 1.0 - self.early_share;
+        Demand {
+            noise: others * self.noise,
+            early_share: 0.0,
+            onset_share: match others > 0.0 {
+                true => self.onset_share / others,
+                false => 0.0,
+            },
+            ..self
+        }
+    }
+
     /// Whether the demand is not fulfilled.
     pub fn is_open(&self) -> bool {
         self.factor() > 1.0
@@ -113,6 +127,8 @@ impl Demand {
 pub(in crate::response) struct Parts<'a> {
     /// The arrivals of the waves of early arrivals.
     pub early: &'a Echogram,
+    /// Whether more of these waves reduce their noise.
+    pub early_can_grow: bool,
     /// The end of the onset in seconds after the source's impulse.
     pub onset_s: f64,
 }
@@ -205,7 +221,8 @@ impl Figures {
         direct_s: Option<f64>,
         parts: Option<Parts>,
     ) -> Vec<Demand> {
-        let halves = parts.map(|Parts { early, onset_s }| {
+        let early_can_grow = parts.as_ref().is_some_and(|parts| parts.early_can_grow);
+        let halves = parts.map(|Parts { early, onset_s, .. }| {
             let until = record.echogram.bins_before(onset_s);
             [Noisy::Arrivals(early), Noisy::Before(until)]
                 .map(|noisy| Halves::new(record, direct_s, noisy))
@@ -234,6 +251,10 @@ impl Figures {
                     early_share: early,
                     onset_share: (onset - early).max(0.0),
                     ..demand
+                });
+                let demand = demand.map(|demand| match early_can_grow {
+                    true => demand,
+                    false => demand.without_early(),
                 });
                 demands.extend(demand);
             }

@@ -8,6 +8,7 @@
 //! sound, while a path that no wave finds is missing. Further waves may follow (`tally.rs`), and some waves may end after
 //! the onset (`onset.rs`).
 
+mod early;
 mod importance;
 mod inner;
 mod onset;
@@ -27,37 +28,24 @@ use crate::error::Error;
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Pair;
+use crate::shader;
 use crate::tracer::{
     ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer, Transmitting,
     WavesToFollow,
 };
-use crate::{bands, shader};
 use glam::Vec3;
 use importance::Importance;
 pub(super) use inner::{Difference, are_biased};
 use pilot::Pilot;
 use std::cell::RefCell;
-use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
-use tally::{FurtherWaves, Sums, WaveCounts};
+use tally::{FurtherWaves, Sums};
 
 /// The share of the energy of all waves down to which waves are followed, −120 dB. A decay is audible over 60 dB, and
 /// if the listener is in another room than the source, the decay may begin 60 dB lower. The limit saves time in bands
 /// that decay fast and have their own waves.
 const LEAST_ENERGY: f64 = 1e-12;
-
-/// Mean number of crossings of a wave in a chunk. A chunk takes as long as ten iterations, and a wave with more
-/// crossings than can be recorded (four) is drawn again. In a room of 8 × 3 × 5 m a response of 65,536 waves takes
-/// 0.39, 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations per chunk, which correspond to 0.6 to 2.6
-/// crossings.
-const CROSSINGS_IN_CHUNK: f64 = 2.0;
-
-/// Minimum number of iterations in a chunk with one listener.
-const LEAST_ITERATIONS: u32 = 8;
-
-/// Minimum number of iterations in a chunk with several listeners, whose iterations take longer.
-const LEAST_ITERATIONS_SHARED: u32 = 1;
 
 /// A pair whose listener shares the waves of the source with other listeners.
 #[derive(Clone, Copy)]
@@ -106,27 +94,23 @@ pub(super) fn tallies(
         Some(before) => before,
         None => empty(heard, settings, has_near)?,
     };
-    let begun = tallies[0].waves;
-    for tally in &mut tallies {
-        tally.begin_early(settings.trace.waves);
-    }
-    let further = WaveCounts::of(settings).beyond(begun);
+    // All listeners have the same waves.
+    let further = tallies[0].further(settings);
+    tallies.iter_mut().for_each(|tally| tally.begin(&further));
     let solids = transmission::solids(first.pair, settings)?;
-    let mut followed: Vec<Sums> = tallies.iter().map(Tally::further).collect();
-    let mut ends_early = followed.clone();
+    let mut added = Added::none(&tallies);
     for (group, bands) in shader::band_groups(first.pair.scene)
         .into_iter()
         .enumerate()
     {
+        let how = how.clone().with_bands(bands);
         let mut how = ArrivalSettings {
             resamples: true,
-            ..how.clone()
-        }
-        .with_bands(bands)
-        .with_least_energy(LEAST_ENERGY);
+            ..how.with_least_energy(LEAST_ENERGY)
+        };
         if has_near {
-            trace_early(tracer, heard, settings, &how, (group, &mut tallies))?;
-            how.iterations_in_chunk = chunk(heard, &tallies, group, &how);
+            early::trace(tracer, heard, settings, &how, (group, &mut tallies))?;
+            how.iterations_in_chunk = early::chunk(heard, &tallies, group, &how);
         }
         let mut early = vec![Vec::new(); heard.len()];
         let wide = |one: &Heard| one.late.detector(one.pair.listener);
@@ -137,31 +121,45 @@ pub(super) fn tallies(
             detectors: &detectors,
             how: &how,
             solids: solids.as_ref(),
-            sums: &mut followed,
+            sums: &mut added.followed,
             early: (!has_near).then_some(&mut early[..]),
         };
-        let counts = late.trace(settings, further.clone(), &mut ends_early)?;
+        let followed = late.trace(settings, &further, &mut added.ends_early)?;
         for (tally, early) in tallies.iter_mut().zip(early) {
-            tally.counts = tally.counts.and(counts);
+            tally.add_counts(group, &followed);
             tally.early.extend(early);
-            // The arrivals come in chunks of iterations for each band group in turn.
-            tally.early.sort_by(in_order);
-            tally
-                .early
-                .dedup_by(|second, first| is_added(first, second));
+            early::sort(&mut tally.early);
         }
     }
-    let until = |one: &Heard| {
-        let onset_s = settings.onset.map_or(0.0, |onset| onset.seconds);
-        one.medium.direct_s + onset_s
-    };
-    for ((tally, one), sums) in
-        (tallies.iter_mut().zip(heard)).zip(followed.into_iter().zip(ends_early))
-    {
-        let until = tally.sums.echogram.bins_before(until(one));
-        tally.extend(begun.and(&further), until, sums);
+    let onset_s = settings.onset.map_or(0.0, |onset| onset.seconds);
+    for ((tally, one), sums) in tallies.iter_mut().zip(heard).zip(added.of_listeners()) {
+        let until = (tally.sums.echogram).bins_before(one.medium.direct_s + onset_s);
+        tally.extend(&further, until, sums);
     }
     Ok(tallies)
+}
+
+/// The sums of further waves.
+struct Added {
+    /// The waves that are followed to the record's end, by listener.
+    followed: Vec<Sums>,
+    /// The waves that end after the onset, by listener.
+    ends_early: Vec<Sums>,
+}
+
+impl Added {
+    fn none(tallies: &[Tally]) -> Added {
+        let followed: Vec<Sums> = tallies.iter().map(Tally::empty_sums).collect();
+        Added {
+            ends_early: followed.clone(),
+            followed,
+        }
+    }
+
+    fn of_listeners(self) -> impl Iterator<Item = [Sums; 2]> {
+        let pairs = self.followed.into_iter().zip(self.ends_early);
+        pairs.map(|(followed, ends_early)| [followed, ends_early])
+    }
 }
 
 /// The tallies of no waves.
@@ -178,79 +176,6 @@ fn empty(
         Ok(Tally::none(one, &bins, has_near))
     };
     heard.iter().map(tally).collect()
-}
-
-/// Iterations of a chunk of late arrivals in a band group.
-fn chunk(heard: &[Heard], tallies: &[Tally], group: usize, how: &ArrivalSettings) -> u32 {
-    let least = match heard.len() {
-        1 => LEAST_ITERATIONS,
-        _ => LEAST_ITERATIONS_SHARED,
-    };
-    let of_own = |tally: &Tally| tally.crossings.get(group).copied().unwrap_or(0.0);
-    let crossings = growth(heard) * tallies.iter().map(of_own).sum::<f64>();
-    iterations_in_chunk(crossings, least, how.iterations_in_chunk)
-}
-
-/// The ratio of the cross sections of the detectors of late arrivals and of the listeners.
-fn growth(heard: &[Heard]) -> f64 {
-    let square = |radius_m: f32| f64::from(radius_m).powi(2);
-    let late: f64 = heard.iter().map(|one| square(one.late.radius_m)).sum();
-    let own = heard.iter().map(|one| square(one.pair.listener.radius));
-    late / own.sum::<f64>()
-}
-
-/// Orders arrivals by wave, and along each wave by time.
-fn in_order(a: &Arrival, b: &Arrival) -> Ordering {
-    let by_length = || a.length_m.total_cmp(&b.length_m);
-    a.wave.cmp(&b.wave).then_with(by_length)
-}
-
-/// Adds the energies of the second arrival to the first if both are the same crossing of the same wave, followed for
-/// different bands.
-fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
-    let is_same = first.wave == second.wave && first.length_m == second.length_m;
-    if is_same {
-        bands::add(&mut first.energy, &second.energy);
-    }
-    is_same
-}
-
-/// Traces further waves of early arrivals past the listeners' own spheres, in a band group.
-fn trace_early(
-    tracer: &mut Tracer,
-    heard: &[Heard],
-    settings: &ResponseSettings,
-    how: &ArrivalSettings,
-    (group, tallies): (usize, &mut [Tally]),
-) -> Result<(), Error> {
-    let further = tallies[0].early_waves.clone();
-    if further.is_empty() {
-        return Ok(());
-    }
-    let few = how.clone().with_iterations(how.early_order + 1);
-    let few = few.with_least_energy(0.0);
-    let all = WavesToFollow::Numbers(further);
-    let own = |one: &Heard| Detector::of(one.pair.listener);
-    let own: Vec<Detector> = heard.iter().map(own).collect();
-    let mut sort = |arrival: Arrival| {
-        let of = arrival.detector as usize;
-        match (arrival.is_early, &mut tallies[of].near) {
-            (false, Some(near)) => heard[of].medium.add(&mut near.own, &arrival),
-            _ => tallies[of].early.push(arrival),
-        }
-    };
-    let pair = heard[0].pair;
-    let heard_in = (pair, &own[..]);
-    let followed =
-        tracer.arrivals_through(heard_in, &settings.trace, &few, &all, &mut sort, None)?;
-    // With scattering, sound is late after fewer reflections.
-    let travel_on = (!pair.scene.scatters()).then_some(followed.counts.cut_off > 0);
-    let crossings = crossings_an_iteration(&followed.counts()) / heard.len() as f64;
-    for tally in tallies {
-        tally.crossings.resize(group + 1, crossings);
-        tally.travel_on = travel_on;
-    }
-    Ok(())
 }
 
 /// Waves whose late arrivals are added to the echograms of the listeners.
@@ -272,17 +197,18 @@ impl LateWaves<'_> {
     fn trace(
         &mut self,
         settings: &ResponseSettings,
-        further: FurtherWaves,
+        further: &FurtherWaves,
         ends_early: &mut [Sums],
-    ) -> Result<ArrivalCounts, Error> {
+    ) -> Result<Followed, Error> {
         let trace = settings.late_trace();
         let Some(onset) = settings.onset else {
-            return Ok(self.follow_all(&trace, settings.batches)?.counts());
+            return self.follow_all(&trace, settings.batches);
         };
+        // The energies are shares of the energy of all waves of the onset.
         let trace = trace.with_waves(further.onset.end);
-        let followed = WavesToFollow::Numbers(further.followed);
-        let mut counts = self.follow(&trace, &followed, None)?.counts();
-        let mut early_end = LateWaves {
+        let numbers = WavesToFollow::Numbers(further.followed.clone());
+        let mut followed = self.follow(&trace, &numbers, None)?;
+        let mut ending = LateWaves {
             tracer: &mut *self.tracer,
             heard: self.heard,
             detectors: self.detectors,
@@ -291,10 +217,10 @@ impl LateWaves<'_> {
             sums: ends_early,
             early: None,
         };
-        let ending = WavesToFollow::Numbers(further.onset);
-        let further = early_end.follow(&trace, &ending, None)?;
-        counts.step_limit_reached += further.counts.step_limit_reached;
-        Ok(counts)
+        let numbers = WavesToFollow::Numbers(further.onset.clone());
+        let ended = ending.follow(&trace, &numbers, None)?;
+        followed.counts.step_limit_reached += ended.counts.step_limit_reached;
+        Ok(followed)
     }
 
     /// Traces all waves. If these waves also trace early arrivals, the settings determine their directions.
@@ -443,17 +369,6 @@ impl Heard<'_> {
     }
 }
 
-/// Mean crossings of the listener per wave and iteration.
-fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
-    counts.arrivals as f64 / (counts.waves as f64 * f64::from(counts.iterations)).max(1.0)
-}
-
-/// Iterations of a chunk for the given crossings per iteration, at least `least`, but at most `most`.
-fn iterations_in_chunk(crossings: f64, least: u32, most: u32) -> u32 {
-    let fit = CROSSINGS_IN_CHUNK / crossings;
-    (fit as u32).max(least).min(most)
-}
-
 /// Number of waves below which the missed energy of a band is at least the energy of one wave without losses.
 const FEW_WAVES: u32 = 64;
 
@@ -514,25 +429,4 @@ fn may_arrive(
         .counts;
     // The other waves have left the scene, or have flown until the end of the record.
     Ok(counts.cut_off > 0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Protects the time that late arrivals take: a chunk has several crossings, at least one iteration and at most the
-    /// limit.
-    #[test]
-    fn chunks_are_short_where_waves_cross_often() {
-        for (crossings, iterations) in [(0.0, 64), (0.01, 64), (0.1, 20), (0.25, 8), (3.0, 8)] {
-            assert_eq!(
-                iterations_in_chunk(crossings, 8, 64),
-                iterations,
-                "{crossings}"
-            );
-        }
-        // The loop limit may allow fewer iterations than intended.
-        assert_eq!(iterations_in_chunk(0.01, 8, 20), 20);
-        assert_eq!(iterations_in_chunk(3.0, 8, 5), 5);
-    }
 }

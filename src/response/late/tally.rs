@@ -1,8 +1,8 @@
 //! The tally of a listener: sums over the arrivals of all its waves. Further waves extend it.
 //!
 //! Where waves start evenly, the waves of a round are further waves of the rounds before: the bins of the onset hold the
-//! mean over all waves, the later bins the mean over the waves that are followed to the record's end. The waves that
-//! search for exact paths are the same in all rounds, and are traced once.
+//! mean over all waves, the later bins the mean over the waves that are followed to the record's end. The waves of early
+//! arrivals, which find exact paths, are extended in the same way.
 
 use super::inner::Difference;
 use super::sphere::NearScattering;
@@ -10,12 +10,12 @@ use super::{Arrivals, Heard};
 use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
 use crate::response::{Arrival, Echogram, ResponseSettings};
-use crate::tracer::ArrivalCounts;
+use crate::tracer::{ArrivalCounts, Followed};
 use std::ops::Range;
 
 /// Numbers of waves for late arrivals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct WaveCounts {
+struct WaveCounts {
     /// Number of waves that are followed to the record's end.
     followed: u32,
     /// Number of waves that are followed through the onset, including those.
@@ -23,8 +23,9 @@ pub(super) struct WaveCounts {
 }
 
 /// The numbers of further waves.
-#[derive(Clone)]
 pub(super) struct FurtherWaves {
+    /// The waves of early arrivals.
+    pub early: Range<u32>,
     /// The waves that are followed to the record's end.
     pub followed: Range<u32>,
     /// The waves that end after the onset.
@@ -32,27 +33,28 @@ pub(super) struct FurtherWaves {
 }
 
 impl WaveCounts {
-    pub fn of(settings: &ResponseSettings) -> WaveCounts {
+    fn of(settings: &ResponseSettings) -> WaveCounts {
         WaveCounts {
             followed: settings.late_trace().waves,
             onset: settings.onset_waves(),
         }
     }
 
-    /// The waves beyond those of `before`. All of them pass through the onset, and at least as many as before are followed
+    /// The late waves beyond those of `before`. All of them pass through the onset, and at least as many as before are followed
     /// to the end.
-    pub fn beyond(&self, before: WaveCounts) -> FurtherWaves {
+    fn beyond(&self, before: WaveCounts) -> FurtherWaves {
         let ends = self.onset.max(before.onset);
         let followed = self.followed.saturating_sub(before.followed);
         let followed = followed.min(ends - before.onset);
         FurtherWaves {
+            early: 0..0,
             followed: before.onset..before.onset + followed,
             onset: before.onset + followed..ends,
         }
     }
 
     /// The counts after further waves.
-    pub fn and(self, further: &FurtherWaves) -> WaveCounts {
+    fn and(self, further: &FurtherWaves) -> WaveCounts {
         WaveCounts {
             followed: self.followed + further.followed.len() as u32,
             onset: further.onset.end,
@@ -119,7 +121,7 @@ impl Sums {
     }
 }
 
-/// The arrivals of all waves so far at one listener.
+/// The arrivals of the traced waves at one listener.
 #[derive(Clone)]
 pub(in crate::response) struct Tally {
     pub(super) sums: Sums,
@@ -127,16 +129,17 @@ pub(in crate::response) struct Tally {
     pub(super) near: Option<NearScattering>,
     /// Early arrivals, counted in the listener's own sphere.
     pub(super) early: Vec<Arrival>,
-    /// The numbers of the waves of early arrivals that are traced next, after those that are traced.
-    pub(super) early_waves: Range<u32>,
-    pub(super) counts: ArrivalCounts,
+    /// The numbers of the waves of early arrivals that are traced next. Those before are traced.
+    pub(super) further_early: Range<u32>,
+    /// The waves that are followed to the record's end, by band group.
+    followed: Vec<Followed>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub(super) travel_on: Option<bool>,
     /// Mean crossings of the listener's own sphere per wave and iteration, by band group, from the waves of early
     /// arrivals.
     pub(super) crossings: Vec<f64>,
-    /// The waves so far.
-    pub(super) waves: WaveCounts,
+    /// Numbers of the traced waves.
+    waves: WaveCounts,
 }
 
 impl Tally {
@@ -147,27 +150,32 @@ impl Tally {
             sums: Sums::none(one, echogram, has_near),
             near: has_near.then(|| NearScattering::new(one.pair, &one.late, echogram)),
             early: Vec::new(),
-            early_waves: 0..0,
-            counts: ArrivalCounts::of_none(),
+            further_early: 0..0,
+            followed: Vec::new(),
             travel_on: None,
             crossings: Vec::new(),
             waves: WaveCounts::default(),
         }
     }
 
-    /// Prepares the early arrivals for further waves, after which there are `waves`.
-    pub(super) fn begin_early(&mut self, waves: u32) {
-        let before = self.early_waves.end;
-        let share = f64::from(before) / f64::from(waves);
-        self.early_waves = before..waves.max(before);
-        if self.early_waves.is_empty() {
+    /// The waves of these settings that are not traced yet.
+    pub(super) fn further(&self, settings: &ResponseSettings) -> FurtherWaves {
+        let early = self.further_early.end;
+        FurtherWaves {
+            early: early..settings.trace.waves.max(early),
+            ..WaveCounts::of(settings).beyond(self.waves)
+        }
+    }
+
+    /// Prepares the early arrivals for further waves: their energies become shares of the energy of all of them.
+    pub(super) fn begin(&mut self, further: &FurtherWaves) {
+        self.further_early = further.early.clone();
+        if further.early.is_empty() {
             return;
         }
+        let share = f64::from(further.early.start) / f64::from(further.early.end);
         for arrival in &mut self.early {
-            arrival
-                .energy
-                .iter_mut()
-                .for_each(|energy| *energy *= share);
+            arrival.energy = arrival.energy.map(|energy| energy * share);
         }
         if let Some(near) = &mut self.near {
             near.own.scale_parts(0, share, share);
@@ -175,54 +183,62 @@ impl Tally {
     }
 
     /// Sums without arrivals for further waves.
-    pub(super) fn further(&self) -> Sums {
+    pub(super) fn empty_sums(&self) -> Sums {
         let mut sums = self.sums.clone();
         let empty = |echogram: &mut Echogram| *echogram = echogram.without_arrivals();
         sums.echograms_mut().for_each(empty);
         sums
     }
 
-    /// Adds further waves, after which there are `waves`: those that are followed to the record's end, and those that end
-    /// after the onset, the bins before `until`. Their energies are shares of the energy of all waves of the onset.
+    /// Adds the fates of further waves of a band group that are followed to the record's end.
+    pub(super) fn add_counts(&mut self, group: usize, further: &Followed) {
+        match self.followed.get_mut(group) {
+            Some(followed) => *followed = std::mem::take(followed).and(further.clone()),
+            None => self.followed.push(further.clone()),
+        }
+    }
+
+    /// Adds the sums of further waves: of those that are followed to the record's end, and of those that end after the
+    /// onset, the bins before `until`. Their energies are shares of the energy of all waves of the onset.
     pub(super) fn extend(
         &mut self,
-        waves: WaveCounts,
+        further: &FurtherWaves,
         until: usize,
-        (mut followed, mut onset): (Sums, Sums),
+        [mut followed, mut onset]: [Sums; 2],
     ) {
-        let before = self.waves;
+        let (before, after) = (self.waves, self.waves.and(further));
         let share = |part: u32, all: u32| f64::from(part) / f64::from(all);
-        let of_onset = share(before.onset, waves.onset);
-        let of_followed = share(before.followed, waves.followed);
+        let of_onset = share(before.onset, after.onset);
+        let of_followed = share(before.followed, after.followed);
         self.sums.scale_parts(until, of_onset, of_followed);
-        followed.scale_parts(until, 1.0, share(waves.onset, waves.followed));
+        followed.scale_parts(until, 1.0, share(after.onset, after.followed));
         onset.scale_parts(until, 1.0, 0.0);
         self.sums.add_sums(&followed);
         self.sums.add_sums(&onset);
-        self.waves = waves;
+        self.waves = after;
     }
 
     /// The arrivals, with the sound scattered after few reflections.
-    pub fn into_arrivals(self) -> Arrivals {
-        let Sums {
-            mut echogram,
-            straight,
-            inner,
-            near: wide,
-        } = self.sums;
+    pub fn arrivals(&self) -> Arrivals {
+        let sums = &self.sums;
+        let mut echogram = sums.echogram.clone();
         let mut bias = echogram.without_arrivals();
         let mut in_own_sphere = echogram.without_arrivals();
-        if let (Some(near), Some(wide)) = (&self.near, &wide) {
+        if let (Some(near), Some(wide)) = (&self.near, &sums.near) {
             near.add_to(wide, [&mut in_own_sphere, &mut echogram], &mut bias);
         }
+        let counts = self
+            .followed
+            .iter()
+            .map(|followed| followed.clone().counts());
         Arrivals {
             echogram,
             in_own_sphere,
-            straight,
-            inner,
+            straight: sums.straight.clone(),
+            inner: sums.inner.clone(),
             bias,
-            counts: self.counts,
-            early: self.early,
+            counts: counts.fold(ArrivalCounts::of_none(), ArrivalCounts::and),
+            early: self.early.clone(),
             travel_on: self.travel_on,
         }
     }

@@ -117,6 +117,14 @@ pub(crate) struct Start {
 }
 
 impl WavesToFollow<'_> {
+    /// Number of the first wave.
+    pub(in crate::tracer) fn first(&self) -> u32 {
+        match self {
+            WavesToFollow::Numbers(numbers) => numbers.start,
+            WavesToFollow::Starts { .. } => 0,
+        }
+    }
+
     /// The numbers of the waves, divided into blocks of `waves` numbers.
     pub(in crate::tracer) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
         let Range { start, end } = match self {
@@ -191,6 +199,7 @@ impl ArrivalCounts {
 }
 
 /// The fates of a subset of the waves.
+#[derive(Clone, Default)]
 pub(crate) struct Followed {
     /// Counts, without [`followed_m`](ArrivalCounts::followed_m).
     pub counts: ArrivalCounts,
@@ -203,8 +212,14 @@ pub(crate) struct Followed {
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {
-    /// Adds other waves with the same settings.
-    pub fn and(mut self, others: Followed) -> Followed {
+    /// Adds other waves with the same settings, of any number.
+    pub fn and(mut self, mut others: Followed) -> Followed {
+        // The energies are means over the waves.
+        let all = (self.counts.waves + others.counts.waves).max(1) as f64;
+        for counts in [&mut self.counts, &mut others.counts] {
+            let share = counts.waves as f64 / all;
+            counts.energy_under_way = counts.energy_under_way.map(|energy| energy * share);
+        }
         self.counts = self.counts.and(others.counts);
         self.cut_off_m.extend(others.cut_off_m);
         self
