@@ -67,6 +67,11 @@ pub(in crate::shader) fn has_chords(field: &Shape, moving: &[bool]) -> bool {
     fixed_bounds(field, moving).is_some() || parts(field, false) > 0
 }
 
+/// Whether the air of a field has convex parts whose chords are found.
+pub(in crate::shader) fn has_parts_of_air(field: &Shape) -> bool {
+    parts(field, false) > 0
+}
+
 /// The box around a solid whose numbers do not move, if it is finite.
 fn fixed_bounds(field: &Shape, moving: &[bool]) -> Option<Bounds3> {
     let bounds = field.properties().bounds;
