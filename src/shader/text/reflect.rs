@@ -277,7 +277,8 @@ fn onto_field(named: &Named, p: &str, vector: &str) -> Vec<String> {
     vec![
         "vec3 at = q;".to_owned(),
         "normal = vec3(0.0);".to_owned(),
-        "for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {".to_owned(),
+        format!("int sheets = turnsOf(SHEETS, largest({p}));"),
+        "for (int sheet = 0; sheet < sheets && normal == vec3(0.0); ++sheet) {".to_owned(),
         format!("    vec4 gradient = {gradient};"),
         "    q = sheet == 0 ? ontoField(q, gradient) : q;".to_owned(),
         format!("    normal = facing(gradient.xyz, {vector});"),
