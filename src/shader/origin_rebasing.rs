@@ -7,7 +7,6 @@
 use super::cells::ENDLESS;
 use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
-use super::scene_data::BOX_VECTORS;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Listener, Node, ROUNDING, Scene, Shape, Surface};
 use glam::{DMat3, DVec3, Quat, Vec3, Vec4};
@@ -20,6 +19,9 @@ pub struct OriginRebasing {
     /// Whether covered faces are extended.
     pub extends_covered_faces: bool,
 }
+
+/// Vectors of the box in the record of a marched surface ([`RebasedScene::box_around`]).
+pub(super) const BOX_VECTORS: usize = 3;
 
 /// A scene's surfaces in a shader's coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -33,7 +33,7 @@
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
 use super::mesh_data::mesh_vectors;
-use super::origin_rebasing::{RebasedScene, rounding_of, value_count};
+use super::origin_rebasing::{BOX_VECTORS, RebasedScene, rounding_of, value_count};
 use super::structure::Assets;
 use super::text::is_marched;
 use crate::scene::{Node, Surface};
@@ -245,9 +245,6 @@ fn spare(low: Vec3, high: Vec3) -> Vec3 {
 fn number(index: usize) -> f32 {
     (index + 1) as f32
 }
-
-/// Vectors of the box in the record of a marched surface.
-pub const BOX_VECTORS: usize = 3;
 
 /// The layout of a record: the positions of the tag and of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,7 +12,8 @@ use super::scene_text::{ListenerText, Text};
 use super::surface_names::{Marched, Named};
 use crate::scene::Node;
 use crate::shader::layout::GRID_VECTORS;
-use crate::shader::scene_data::{BOX_VECTORS, Record};
+use crate::shader::origin_rebasing::BOX_VECTORS;
+use crate::shader::scene_data::Record;
 use std::fmt::Write;
 
 /// The parts of `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` for a scene, and of
