@@ -15,6 +15,7 @@ const float RELAXED = 0.95;    // share of the step at which the balls would jus
 const float SHALLOW = 64.0;    // maximum distance of a hit, in roundings along the ray
 const float TANGENT = 2e-7;    // maximum error of a hit where the tangent meets 0, metres
 const float CHORD_MARGIN = 4.0;   // distance from the ends of chords, in roundings, at which they are left
+const float EARLY = 6.0;       // distance of a chord's begin, in roundings, at which a wave at its start is on the chord
 const float GLANCING = 4.0;    // inverse of the slope below which a value is compared with less than `touch`
 const float FLAT = 0.0625;     // least share of `touch` with which a value is compared
 const float FLATTEST = 1e-3;   // least slope of a tangent, metres per metre
@@ -26,6 +27,12 @@ struct March {
     float free;     // further distance without a surface, metres
     float trial;    // from `proven` to the next evaluation, metres
 };
+
+// The free length at the start by the chords, of which those count that the wave enters within `early` metres. A wave
+// that leaves the surface of a convex part of the air is free up to the end of this part.
+float freeBy(float through, float early) {
+    return through > early ? through : 0.0;
+}
 
 // The slope of the nearest field on the line: its own, or that of the last two values.
 float slopeOf(Ahead ahead, March march, float near) {

@@ -140,7 +140,8 @@ const int LEAPS = 4;   // maximum turns of a traversal of copies for a bound
 // A distance over which a line is free of the boxes of all copies, found within LEAPS turns.
 float freeOfCopies(CopyTraversal traversal) {
     bool comes = false;
-    for (int i = 0; i < LEAPS && !comes; ++i) {
+    int turns = turnsOf(LEAPS, traversal.at);
+    for (int i = 0; i < turns && !comes; ++i) {
         if (!nextCopy(traversal, NO_END, comes)) {
             return NO_END;
         }

@@ -25,6 +25,7 @@ void closestOfKind@kind@(vec3 p, vec3 d, float last, inout float nearest, inout 
     int first = int(origin.w);
     int most = int(size.w);
     vec3 inverse = safeInverse(d);
+    vec3 slowness = abs(inverse);
     GridLine line = gridLine(p.CELL_AXES, d.CELL_AXES, inverse.CELL_AXES, origin.CELL_AXES, size.CELL_AXES,
         uGrids[@grid@ + 2].CELL_AXES, uGrids[@grid@ + 3].CELL_AXES);
     CELL_VECTOR place = line.place;
@@ -37,25 +38,37 @@ void closestOfKind@kind@(vec3 p, vec3 d, float last, inout float nearest, inout 
     while (turns > 0 && t < end) {
         float number = 0.0;
         int data = 0;
-        vec2 chord = NO_CHORD;
-        bool isEntered = false;
-        for (; turns > 0 && t < end && !isEntered; --turns) {
+        vec3 centre = vec3(0.0);
+        float margin = 0.0;
+        float came = t;   // where the line enters the cell of the record
+        bool isNear = false;
+        for (; turns > 0 && t < end && !isNear; --turns) {
             int at = listed > 0 ? listed : first + @vectors@ * clamp(int(dot(place, strides)), 0, most);
-            vec4 centre = sceneData(at);
-            vec4 halfSize = sceneData(at + 1);
-            data = at + 2;
-            number = abs(centre.w);
-            vec3 margin = vec3(CHORD_MARGIN * max(errorBound, halfSize.w));
-            chord = chordBox(@point@, @vector@, halfSize.xyz + margin);
-            bool isAhead = chord.x <= chord.y && chord.y > 0.0 && chord.x < end;
-            bool isNew = t <= line.enters || chord.x >= t - early;
-            isEntered = number > 0.0@is_left@ && isAhead && isNew;
-            listed = centre.w < 0.0 ? at + @vectors@ : number > 0.0 ? 0 : int(centre.x);
+            vec4 head = sceneData(at);
+            vec4 around = sceneData(at + 1);
+            data = at + @box_vectors@;
+            number = abs(head.w);
+            centre = head.xyz;
+            margin = CHORD_MARGIN * max(errorBound, around.w);
+            came = t;
             CELL_VECTOR faces = (place + line.ahead) * line.between + line.offset;
             float next = least(faces);
+            // A line that enters the surface's box in this cell is, in this cell, in the box along the axes around it.
+            vec3 middle = (centre - p) * inverse;
+            vec3 reach = (around.xyz + margin) * slowness;
+            float enters = greatest(middle - reach);
+            float leaves = least(middle + reach);
+            bool isAhead = enters <= leaves && leaves > 0.0 && enters < end;
+            bool isHere = enters <= next + early && (t <= line.enters || leaves >= t - early);
+            isNear = number > 0.0@is_left@ && isAhead && isHere;
+            listed = head.w < 0.0 ? at + @vectors@ : number > 0.0 ? 0 : int(head.x);
             t = listed > 0 ? t : next;
             place = listed > 0 ? place : nextCell(place, line, faces);
         }
+        vec2 chord = chordBox(@point@, @vector@, sceneData(data - 1).xyz + margin);
+        bool isAhead = chord.x <= chord.y && chord.y > 0.0 && chord.x < end;
+        bool isNew = came <= line.enters || chord.x >= came - early;
+        bool isEntered = isNear && isAhead && isNew;
         float start = max(chord.x, 0.0);
         load@kind@(data, p, d, start);
         float found;

@@ -3,8 +3,9 @@ void findChords(vec3 p, vec3 d, float errorBound) {
 @chords@
 }
 
-// The distance that a wave is free after its start, as the chords show: 0 if they show none.
-float freeAtStart(float last) {
+// The distance that a wave is free after its start, as the chords show: 0 if they show none. The rounding error of the
+// start is errorBound.
+float freeAtStart(float last, float errorBound) {
     float free = NO_END;
 @at_start@
     return free;

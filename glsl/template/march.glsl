@@ -1,5 +1,6 @@
 // Returns the distance along the ray to the first hit before limit, or -1.
 float march@name@(vec3 origin, vec3 d, float @given@, float limit, out float object, out bool limitReached) {
+    const bool isFree = @is_free@;   // whether all steps are free, as slope and bend of every field show
     float size = largest(origin);
 @start@
     March march = March(0.0, 0.0, start, start);
@@ -22,20 +23,21 @@ float march@name@(vec3 origin, vec3 d, float @given@, float limit, out float obj
         float near = NEAR * touch;
         bool isFirst = t <= 0.0 && i == 0;
         bool isNear = march.free < near;
-        bool isProven = isNear || march.trial <= march.free || value + march.free >= march.trial;
-        float slope = slopeOf(ahead, march, near);
+        bool isProven = isFree || isNear || march.trial <= march.free || value + march.free >= march.trial;
+        float slope = isFree ? ahead.nearest.slope : slopeOf(ahead, march, near);
         root = max(-value / min(slope, -FLATTEST), -SHALLOW * touch);
         bool touches = !isFirst && isTouch(value, slope, touch);
         bool isSolid = isProven && value < -touch && !isFirst;
-        bool isEnclosed = isSolid && march.trial <= touch;
+        bool isEnclosed = isSolid && (isFree || march.trial <= touch);
         isHit = isProven && slope < 0.0 && (touches || isEnclosed || isTangentHit(ahead, slope, root));
         float free = min(ahead.free, ahead.others);
         isBeyond = isProven && t + (isHit ? 0.0 : min(free, ahead.cell)) >= limit;
         if (isHit || isBeyond) {
             break;
         }
-        if (isProven && !isSolid) {
-            march = March(t, max(value, 0.0), max(free, 0.0), stepAhead(ahead, slope, touch));
+        if (isProven && (isFree || !isSolid)) {
+            float way = isFree ? max(min(free, ahead.cell), 0.5 * touch) : stepAhead(ahead, slope, touch);
+            march = March(t, max(value, 0.0), max(free, 0.0), way);
         } else {
             march.trial = stepBack(march, value, isSolid);
         }

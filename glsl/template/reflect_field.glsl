@@ -2,5 +2,6 @@
     if (@is_met@) {
         p = hit;
 @projection@
-        d = mirror(along, normal);
+        metNormal = normal;
+        isMirrored = true;
     }

@@ -4,5 +4,4 @@
 @reflection@
         bool isMet = @is_met@;
         p = isMet ? onto : p;
-        d = isMet ? mirrored : d;
-    }
+@result@    }

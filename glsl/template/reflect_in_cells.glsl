@@ -2,5 +2,6 @@
         vec4 entry = entryOf(object);
         p = hit;
         projectOntoKind(entry.y, int(entry.z), along, p, normal);
-        d = mirror(along, normal);
+        metNormal = normal;
+        isMirrored = true;
     }

@@ -6,6 +6,5 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 hit = p + t * d;
     vec3 q;
     vec3 normal;
-@surfaces@
-}
+@met@@surfaces@@mirror@}
 

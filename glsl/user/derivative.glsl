@@ -9,7 +9,8 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     vec3 gradient = vec3(0.0);
     // An undefined gradient (at a pole of the text) is evaluated once more some roundings aside, off every line
     // that a text is likely to treat specially.
-    for (int turn = 0; turn < 2; ++turn) {
+    int turns = turnsOf(2, largest(p));
+    for (int turn = 0; turn < turns; ++turn) {
         float own = inverseLipschitz * dual0_field(clamp(at, -halfSize, halfSize), gradient);
         value = turn == 0 ? own : value;
         gradient *= scale;
@@ -29,7 +30,7 @@ vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
 }
 
 // Value and slope along d: one evaluation. Beyond the box, and where the slope is steeper than the value can
-// grow, those of the box or a slope of 0.
+// grow, those of the box or a slope of -1.
 vec2 slopeUser0(vec3 p, vec3 d, vec3 halfSize, float inverseLipschitz) {
     const float STEEPEST = 2.0;
     float slope;
@@ -37,6 +38,6 @@ vec2 slopeUser0(vec3 p, vec3 d, vec3 halfSize, float inverseLipschitz) {
     float value = inverseLipschitz * slope0_field(clamp(p, -halfSize, halfSize), along, slope);
     slope *= inverseLipschitz;
     float outside = sdBox(p, halfSize);
-    float inside = abs(slope) <= STEEPEST ? slope : 0.0;
+    float inside = abs(slope) <= STEEPEST ? slope : -1.0;
     return outside >= value ? vec2(outside, dot(gradientBox(p, halfSize), d)) : vec2(value, inside);
 }

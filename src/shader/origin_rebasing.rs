@@ -9,7 +9,7 @@ use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Listener, Node, ROUNDING, Scene, Shape, Surface};
-use glam::{DVec3, Quat, Vec3, Vec4};
+use glam::{DMat3, DVec3, Quat, Vec3, Vec4};
 
 /// The conversion from world coordinates to a shader's coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +19,9 @@ pub struct OriginRebasing {
     /// Whether covered faces are extended.
     pub extends_covered_faces: bool,
 }
+
+/// Vectors of the box in the record of a marched surface ([`RebasedScene::box_around`]).
+pub(super) const BOX_VECTORS: usize = 3;
 
 /// A scene's surfaces in a shader's coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,10 +120,11 @@ impl RebasedScene {
     }
 
     /// The box around a surface, given by its index, in the axes of the surface. The first vector has the centre of the
-    /// box in the shader's coordinates. The second vector has half the size of the box, and the rounding error of the
-    /// distance to the surface. If the box is infinite at one end of an axis, it is made infinite at both ends, with
-    /// the surface's position as its centre.
-    pub(super) fn box_around(&self, index: usize) -> [Vec4; 2] {
+    /// box in the shader's coordinates. The second vector has half the size of the box along the axes of the scene that
+    /// contains this box, and the rounding error of the distance to the surface. The third vector has half the size of
+    /// the box. If the box is infinite at one end of an axis, it is made infinite at both ends, with the surface's
+    /// position as its centre.
+    pub(super) fn box_around(&self, index: usize) -> [Vec4; BOX_VECTORS] {
         let surface = &self.surfaces[index];
         let bounds = surface.shape.properties().bounds;
         let rotation = surface.rotation.as_dquat().normalize();
@@ -130,11 +134,16 @@ impl RebasedScene {
         };
         let ends = half.cmplt(DVec3::splat(ENDLESS));
         let middle = DVec3::select(ends, middle, DVec3::ZERO);
-        let half = half.min(DVec3::splat(ENDLESS)).as_vec3();
+        let half = half.min(DVec3::splat(ENDLESS));
         let place = surface.position.as_dvec3() + rotation * middle;
+        let turned = DMat3::from_quat(rotation);
+        let along_axes = turned.x_axis.abs() * half.x
+            + turned.y_axis.abs() * half.y
+            + turned.z_axis.abs() * half.z;
         [
             place.as_vec3().extend(0.0),
-            half.extend(self.error_bounds[index]),
+            along_axes.as_vec3().extend(self.error_bounds[index]),
+            half.as_vec3().extend(0.0),
         ]
     }
 

@@ -25,14 +25,15 @@
 //! component, for the index of a list. This vector is omitted if the first vector of the values has an unused
 //! component. A box has one, and so has an infinite pillar, whose height has no meaning.
 //!
-//! The record of a marched surface begins with its box, in the axes of the surface. The first vector has the centre of
-//! the box in the shader's coordinates, and the tag. The second vector has half the size of the box, and the rounding
-//! error of the distance to the surface. The centre of an infinite box is the surface's position.
+//! The record of a marched surface begins with the box around it, in its own axes. The first vector has the centre of
+//! the box in the shader's coordinates, and the tag. The second vector has half the size of the box along the axes of the
+//! scene that contains this box, and the rounding error of the distance to the surface. The third vector has half the
+//! size of the box itself. The centre of an infinite box is the surface's position.
 
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
 use super::mesh_data::mesh_vectors;
-use super::origin_rebasing::{RebasedScene, rounding_of, value_count};
+use super::origin_rebasing::{BOX_VECTORS, RebasedScene, rounding_of, value_count};
 use super::structure::Assets;
 use super::text::is_marched;
 use crate::scene::{Node, Surface};
@@ -244,9 +245,6 @@ fn spare(low: Vec3, high: Vec3) -> Vec3 {
 fn number(index: usize) -> f32 {
     (index + 1) as f32
 }
-
-/// Vectors of the box in the record of a marched surface.
-pub const BOX_VECTORS: usize = 2;
 
 /// The layout of a record: the positions of the tag and of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 //! A *turn* is one execution of a loop's body. Mesa's llvmpipe silently ends a shader's loops once all loops together,
 //! nested ones included, have taken 65,536 turns. The maximum turns of one iteration of a wave are therefore counted
 //! here, and nowhere else: over the steps of a march, the lists of cells, the cells that a line crosses, the copies of
-//! repetitions and the cells of copies. If one loop contains another, the turns of both count. The turns of loops in
-//! users' texts are unknown: a call of a text with loops counts as [`USER_TURNS`].
+//! repetitions and the cells of copies. If one loop contains another, the turns of both count. A loop in a user's text
+//! counts with its turns if it counts to a constant end. A call of a text with other loops counts as [`USER_TURNS`].
 //!
 //! The count determines the [`Budget`]: the number of iterations in a pass and, if a single march could exceed the
 //! limit, the number of steps in a march. Waves that reach the step limit are counted and reported.
@@ -33,8 +33,7 @@ const MAX_FIELD_STEPS: u32 = 1024;
 /// resolves positions to a few centimetres.
 pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
 
-/// Number of turns that is counted for a call of a user's field with loops. Compilers unroll loops of a few dozen turns
-/// if the number of turns is constant, so few texts have loops with more turns.
+/// Number of turns that is counted for a call of a user's field with loops whose ends are not constant.
 const USER_TURNS: u64 = 60;
 
 /// Maximum calls of a user's text in one projection if normals are computed by differences. The gradient takes seven
@@ -237,7 +236,10 @@ fn of_projection(field: &Shape) -> u64 {
 
 /// Turns in one call of a user's text.
 fn of_call(user: &UserField) -> u64 {
-    if user.has_loops() { USER_TURNS } else { 0 }
+    match user.has_loops() {
+        true => user.loop_turns().unwrap_or(USER_TURNS),
+        false => 0,
+    }
 }
 
 /// Turns of the loops over the copies of repetitions, plus the turns that `of_user` returns for users' fields.
@@ -446,6 +448,7 @@ mod tests {
     use crate::shader::Structure;
     use crate::tracer::{Profile, Settings};
     use glam::Vec3;
+    use std::sync::Arc;
 
     /// Settings of a profile with the maximum iterations in a pass.
     fn asked(profile: Profile) -> Settings {
@@ -479,14 +482,20 @@ mod tests {
     /// basic shapes leave, and the loops together stay within the limit.
     #[test]
     fn fields_have_what_the_basic_shapes_leave() {
-        let menger = Scene::builtin("menger").unwrap();
-        let march = Budget::of(&menger, &Settings::march());
-        let hybrid = Budget::of(&menger, &Settings::hybrid());
+        let text = "float field(vec3 p) { float r = length(p) - 1.0;\n\
+                    for (int i = 0; i < 60; ++i) { r += 0.001 * sin(p.x + float(i)); } return r; }";
+        let field = UserField::new("slow.glsl", text.to_owned(), Vec3::splat(3.0), 1.1);
+        let mut slow = Scene::builtin("menger").unwrap();
+        slow.surfaces.push(Surface::new(Node::User(User {
+            field: Arc::new(field),
+        })));
+        let march = Budget::of(&slow, &Settings::march());
+        let hybrid = Budget::of(&slow, &Settings::hybrid());
         assert_eq!(march.steps, MAX_STEPS);
         let share = f64::from(march.field_steps) / f64::from(hybrid.field_steps);
         assert!(share > 0.9 && share < 1.0, "{march:?}, {hybrid:?}");
-        let structure = Structure::of(&menger, Lists::Overlapping);
-        let turns = StructureTurns::of(&Text::new(&menger, &structure));
+        let structure = Structure::of(&slow, Lists::Overlapping);
+        let turns = StructureTurns::of(&Text::new(&slow, &structure));
         let loops = turns.loops(None, Lists::Overlapping);
         let field_turns = loops.all_fields.unwrap();
         let turns = u64::from(march.steps) * (1 + loops.directed)

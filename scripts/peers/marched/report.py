@@ -40,7 +40,7 @@ def markdown(rows, missing, echomarch, quick):
         + (", with few waves: this is a trial, and its figures are not reliable." if quick else "."),
         f"All programs trace the same {waves:,} random start directions for {ITERATIONS} iterations, with one thread. "
         "`cave` is the built-in scene. `gyroid` and `ground` (five octaves of noise) are users' texts in a room; "
-        "`gyroid-gradient` is `gyroid` with a stated gradient. Texts and scenes are in `scripts/peers/marched/`.",
+        "`gyroid-gradient` is `gyroid` with a stated gradient and bend. Texts and scenes are in `scripts/peers/marched/`.",
         "The *60-line tracer* is the tracer that a user would write. Its steps are the values of the field, until the "
         "value is below a millimetre. It computes the normal from six values, and traces all iterations in one pass. "
         "The same tracer in C++ with AVX2 shows the speed of such steps on this processor without OpenGL. The *design "

@@ -352,6 +352,7 @@ pub(crate) enum WaveDomain {
 #[derive(Clone, Copy, Debug, Default)]
 struct Read {
     has_loops: bool,
+    loop_turns: Option<u64>,
     states_gradient: bool,
     has_derivative: bool,
 }
@@ -498,6 +499,12 @@ impl UserField {
         self.read().has_loops
     }
 
+    /// The most turns that all loops in one evaluation take together; `None` if a loop of the text does not count to a
+    /// constant end, or if the text cannot be parsed.
+    pub(crate) fn loop_turns(&self) -> Option<u64> {
+        self.read().loop_turns
+    }
+
     /// Whether the text defines its gradient by `vec3 fieldGradient(vec3 p)`.
     pub fn states_gradient(&self) -> bool {
         self.read().states_gradient
@@ -543,6 +550,7 @@ impl UserField {
         };
         let read = |text: user_glsl::Text| Read {
             has_loops: text.has_loops,
+            loop_turns: derivative::loop_turns(&text.code),
             has_derivative: is_derived(&text),
             states_gradient: text.states_gradient,
         };

@@ -6,7 +6,7 @@
 
 use super::ENDLESS;
 use crate::scene::{Bounds3, Exactness, Node, Surface};
-use glam::{BVec3, DVec3};
+use glam::{BVec3, DMat3, DVec3};
 
 /// A surface in the grid.
 #[derive(Clone, Debug)]
@@ -42,20 +42,28 @@ impl Member {
         })
     }
 
-    /// Whether its solid, or the box around it, may reach into a box. The distance from the centre of that box decides.
+    /// Whether its solid, or the box around it, may reach into a box.
     pub fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3], by_boxes: bool) -> bool {
-        let distance = match by_boxes && unbounded_axes == [false; 3] {
-            true => self.box_distance(bounds.middle()),
-            false => self.least_distance(bounds, unbounded_axes),
-        };
-        distance <= radius(bounds, unbounded_axes)
+        if by_boxes && unbounded_axes == [false; 3] {
+            return self.box_meets(bounds);
+        }
+        self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
     }
 
-    /// The distance of a point from the box around the surface, in the surface's own axes.
-    fn box_distance(&self, point: DVec3) -> f64 {
+    /// Whether the box around the surface, in the surface's own axes, may meet a box along the axes of the scene. No plane
+    /// along a face of the surface's box separates two boxes that meet.
+    fn box_meets(&self, other: Bounds3) -> bool {
         let rotation = self.surface.rotation.as_dquat().normalize();
-        let own = rotation.inverse() * (point - self.surface.position.as_dvec3());
-        self.surface.shape.properties().bounds.distance(own)
+        let own = rotation.inverse() * (other.middle() - self.surface.position.as_dvec3());
+        let half = other.half_size();
+        let turned = DMat3::from_quat(rotation.inverse());
+        let reach = turned.x_axis.abs() * half.x
+            + turned.y_axis.abs() * half.y
+            + turned.z_axis.abs() * half.z;
+        let bounds = self.surface.shape.properties().bounds;
+        let rounding = radius(other, [false; 3]) - half.length();
+        bounds.distance(own) <= radius(other, [false; 3])
+            && bounds.grown(reach + rounding).distance(own) <= 0.0
     }
 
     /// A lower bound of the distance between the surface and the centre of a box.

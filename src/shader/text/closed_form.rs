@@ -12,6 +12,7 @@ use super::scene_text::{ListenerText, Text};
 use super::surface_names::{Marched, Named};
 use crate::scene::Node;
 use crate::shader::layout::GRID_VECTORS;
+use crate::shader::origin_rebasing::BOX_VECTORS;
 use crate::shader::scene_data::Record;
 use std::fmt::Write;
 
@@ -160,13 +161,14 @@ fn closest_of_marched_kind(text: &Text, named: &Named, kind: usize) -> String {
         ("kind", &kind.to_string()),
         ("grid", &(GRID_VECTORS * kind).to_string()),
         ("vectors", &record.vectors.to_string()),
+        ("box_vectors", &BOX_VECTORS.to_string()),
         ("load", &load),
         ("field", &field),
         ("free", &free),
         ("error_bound", &loaded.error_bound()),
         ("start", &loaded.point("p + start * d")),
         ("along", &loaded.vector("d")),
-        ("point", &named.vector("p - centre.xyz")),
+        ("point", &named.vector("p - centre")),
         ("vector", &named.vector("d")),
         ("is_left", is_left(named)),
     ];

@@ -51,12 +51,14 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
             ],
         ),
     );
+    let is_free = !in_cells && taken().all(Named::has_free_steps);
     let march = [
         ("name", "Fields"),
+        ("is_free", if is_free { "true" } else { "false" }),
         ("given", "last"),
         (
             "start",
-            "    findChords(origin, d, ROUNDING * size);\n    float start = freeAtStart(last);\n",
+            "    findChords(origin, d, ROUNDING * size);\n    float start = freeAtStart(last, ROUNDING * size);\n",
         ),
         ("steps", "uFieldSteps"),
         ("ahead", "fieldsAhead(t, p, d, last, rounding)"),
@@ -84,6 +86,7 @@ pub(super) fn on_own_line(loaded: &Named) -> [String; 2] {
 pub(super) fn march_alone(kind: usize) -> String {
     march_text(&[
         ("name", &kind.to_string()),
+        ("is_free", "false"),
         ("given", "start"),
         ("start", ""),
         ("steps", "fieldSteps"),
@@ -114,7 +117,11 @@ fn find_chords(named: &Named) -> String {
 /// The statement that limits the free length at the start of a flight to that of a field.
 fn free_at_start(named: &Named) -> String {
     let free = match named.has_chords() {
-        true => format!("through{}(0.0)", named.tag),
+        true => format!(
+            "freeBy(through{0}({early}), {early})",
+            named.tag,
+            early = format_args!("EARLY * max(errorBound, {})", named.error_bound())
+        ),
         false => "0.0".to_owned(),
     };
     let free = named.unless_left(&named.left(), "NO_END", &free);

@@ -299,7 +299,7 @@ static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
         "common": ahead air_boxes ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener march_fields mirror_direction
         no_hit on_line onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
-        scene_data segment
+        scene_data segment turns_of
     );
     let cells = files!("cells": directed distance fields grid grid_traversal records);
     let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();

@@ -37,7 +37,9 @@ pub(super) fn reflect_text(text: &Text) -> String {
         );
     }
     let mut surfaces = String::new();
+    let mut mirrors = !text.instanced.is_empty();
     for (index, group) in groups(text).into_iter().enumerate() {
+        mirrors |= !matches!(group, Group::Faces(_));
         surfaces += &match group {
             Group::Faces(members) => at_faces(&members),
             Group::Kind(members) => at_kind(&members),
@@ -54,7 +56,16 @@ pub(super) fn reflect_text(text: &Text) -> String {
         surfaces += &fill(&skeleton, &[("others", &text.not_unrolled())]);
     }
     let skeleton = source!("template/reflect_wave.glsl");
-    out + &fill(&skeleton, &[("surfaces", &surfaces)])
+    // The direction is mirrored once, because renderers that draw waves in lockstep compute every block for all waves.
+    let (met, mirror) = match mirrors {
+        true => (
+            "    vec3 metNormal = vec3(0.0);\n    bool isMirrored = false;\n",
+            "    d = isMirrored ? mirror(along, metNormal) : d;\n",
+        ),
+        false => ("", ""),
+    };
+    let texts = [("surfaces", &*surfaces), ("met", met), ("mirror", mirror)];
+    out + &fill(&skeleton, &texts)
 }
 
 fn groups<'a>(text: &'a Text) -> Vec<Group<'a>> {
@@ -146,7 +157,8 @@ fn at_faces(members: &[&Named]) -> String {
     };
     let reflection = "        vec3 onto = from;\n        vec3 mirrored = along;\n        \
                       reflectAtFace(onto, mirrored, t, centre, halfSize, side);\n";
-    block(members, &select(members, values), reflection)
+    let mirrored = "        d = isMet ? mirrored : d;\n";
+    block(members, &select(members, values), reflection, mirrored)
 }
 
 /// The reflection at basic shapes of one kind.
@@ -169,8 +181,9 @@ fn at_alike(members: &[&Named], one: &Named, values: impl Fn(&Named) -> Vec<Stri
     for statement in projection(one, "onto", "along") {
         let _ = writeln!(reflection, "        {statement}");
     }
-    reflection.push_str("        vec3 mirrored = mirror(along, normal);\n");
-    block(members, &select(members, declared), &reflection)
+    let met = "        metNormal = isMet ? normal : metNormal;\n        \
+               isMirrored = isMet || isMirrored;\n";
+    block(members, &select(members, declared), &reflection, met)
 }
 
 /// Declares variables with the values of the first member. If another member was hit, its values replace them.
@@ -189,8 +202,8 @@ fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(String, String)>) 
     out
 }
 
-/// The reflection of the waves that hit one of the members.
-fn block(members: &[&Named], values: &str, reflection: &str) -> String {
+/// The reflection of the waves that hit one of the members; `result` sets what remains of it for these waves.
+fn block(members: &[&Named], values: &str, reflection: &str, result: &str) -> String {
     let labels: Vec<&str> = members.iter().map(|named| named.label.as_str()).collect();
     let met: Vec<String> = members.iter().map(|named| named.is_met()).collect();
     let texts = [
@@ -198,6 +211,7 @@ fn block(members: &[&Named], values: &str, reflection: &str) -> String {
         ("is_met", met.join(" || ")),
         ("values", values.to_owned()),
         ("reflection", reflection.to_owned()),
+        ("result", result.to_owned()),
     ];
     let texts = texts.each_ref().map(|(name, text)| (*name, text.as_str()));
     fill(&source!("template/reflect_group.glsl"), &texts)
@@ -263,7 +277,8 @@ fn onto_field(named: &Named, p: &str, vector: &str) -> Vec<String> {
     vec![
         "vec3 at = q;".to_owned(),
         "normal = vec3(0.0);".to_owned(),
-        "for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {".to_owned(),
+        format!("int sheets = turnsOf(SHEETS, largest({p}));"),
+        "for (int sheet = 0; sheet < sheets && normal == vec3(0.0); ++sheet) {".to_owned(),
         format!("    vec4 gradient = {gradient};"),
         "    q = sheet == 0 ? ontoField(q, gradient) : q;".to_owned(),
         format!("    normal = facing(gradient.xyz, {vector});"),

@@ -345,6 +345,15 @@ impl<'a> Named<'a> {
         }
     }
 
+    /// Whether a march takes free steps alone: slope and bend are known, and lines leave convex parts of the air in one
+    /// step. The limits of the second derivative are only known for values that grow by at most 1.
+    pub fn has_free_steps(&self) -> bool {
+        let is_smooth =
+            |field| field::is_smooth_on_lines(field) && field.properties().lipschitz <= 1.0;
+        let has = |field| is_smooth(field) && field::has_parts_of_air(field);
+        !self.has_all_numbers() && self.field().is_some_and(has)
+    }
+
     /// Whether the chords of a line with a marched field are found once per flight.
     pub fn has_chords(&self) -> bool {
         let has = |field| field::has_chords(field, &self.moving_nodes(field));

@@ -15,9 +15,6 @@ use std::fmt::Write as _;
 /// Maximum chords of a field: each costs as much as a shape's hit.
 const MOST_CHORDS: usize = 16;
 
-/// Number of times that a free length is extended by every chord: a line may run from part to part.
-const TURNS: usize = 2;
-
 /// The chords of a field, `void findChords<number>(vec3 p, vec3 d, float errorBound)`, which finds them for the line
 /// from p along d, and `float through<number>(float t)`: the metres from p up to which the line is free, if it is free
 /// up to t metres. Empty for a field without chords.
@@ -43,7 +40,9 @@ pub(in crate::shader) fn chords_text(field: &Shape, place: &Place, assets: &Asse
             "    t = {chord}.x <= t && t < {chord}.y ? {chord}.y : t;"
         );
     }
-    let mut body = steps.repeat(TURNS);
+    // Each chord extends the free length once. A line that runs from a part to one before it in the list takes a further
+    // step, which costs less than another turn for all lines.
+    let mut body = steps;
     if let Some(bounds) = found.bounds {
         let chord = format!("chord{tag}_bounds");
         let _ = writeln!(declarations, "vec2 {chord} = vec2(0.0);");
@@ -65,6 +64,11 @@ pub(in crate::shader) fn chords_text(field: &Shape, place: &Place, assets: &Asse
 /// Whether [`chords_text`] is not empty.
 pub(in crate::shader) fn has_chords(field: &Shape, moving: &[bool]) -> bool {
     fixed_bounds(field, moving).is_some() || parts(field, false) > 0
+}
+
+/// Whether the air of a field has convex parts whose chords are found.
+pub(in crate::shader) fn has_parts_of_air(field: &Shape) -> bool {
+    parts(field, false) > 0
 }
 
 /// The box around a solid whose numbers do not move, if it is finite.

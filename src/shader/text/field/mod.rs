@@ -19,7 +19,7 @@ mod rooms;
 mod value;
 
 pub(in crate::shader) use along::{free_text, is_bounded, leaps};
-pub(in crate::shader) use chords::{chords_text, has_chords};
+pub(in crate::shader) use chords::{chords_text, has_chords, has_parts_of_air};
 pub(super) use function_kind::has_differences;
 pub(in crate::shader) use hit::{has_closed_form, hit_text, takes_limit};
 pub(in crate::shader) use rooms::projection as rooms_projection;

@@ -27,6 +27,7 @@ mod statements;
 mod syntax;
 #[cfg(test)]
 mod tests;
+mod turns;
 mod types;
 mod values;
 
@@ -81,6 +82,12 @@ pub fn written(code: &str, along: Along, index: usize) -> Result<String, Obstacl
     let program = statements::program(&tokens)?;
     let makes_floats = uses_floats_of_bits(&tokens);
     Writer::new(&program, (along, index), makes_floats).whole()
+}
+
+/// The most turns that all loops in one evaluation of a preprocessed text take together; `None` if it is unknown.
+pub fn loop_turns(code: &str) -> Option<u64> {
+    let (tokens, _) = tokens::tokens(code).ok()?;
+    turns::turns(&statements::program(&tokens).ok()?)
 }
 
 /// Whether a text computes floats from bits.

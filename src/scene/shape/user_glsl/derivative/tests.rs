@@ -108,6 +108,50 @@ fn what_cannot_be_differentiated_is_told() {
     }
 }
 
+/// Protects passes from more turns than a driver allows, and marches from a step limit that waves reach: loops that
+/// count to constant ends are counted, with those in calls and in other loops.
+#[test]
+fn turns_of_loops_are_counted() {
+    let body = |body: &str| format!("float field(vec3 p) {{ float s = 0.0; {body} return s; }}");
+    let called = "const int N = 4; float f(float x) { for (int i = N; i > 0; --i) { x *= 0.5; } return x; }\n\
+                  float field(vec3 p) { for (int i = 0; i <= 2; i += 2) { p.x = f(p.x); } return f(p.x); }";
+    for (text, turns) in [
+        (body(""), Some(0)),
+        (
+            body("for (int i = 0; i < 5; i++) { if (s > 1.0) break; s += p.x; }"),
+            Some(5),
+        ),
+        (
+            body("for (int i = 0; s < 9.0 && 7 >= i; ++i) s += p.x;"),
+            Some(8),
+        ),
+        (
+            body("for (float i = 0.0; i < 1.0; i += 0.25) s += pow(0.5, i);"),
+            Some(5),
+        ),
+        (
+            body("for (int i = 0; i < 3; ++i) for (int j = 9; j > i; --j) s += p.x;"),
+            None,
+        ),
+        (
+            body("for (int i = 0; i < 3; ++i) for (int j = 9; j > 7; --j) s += p.x;"),
+            Some(9),
+        ),
+        (called.to_owned(), Some(2 * 5 + 4)),
+        (body("for (int i = 0; i < 3; ++i) { i = 0; }"), None),
+        (body("for (int i = 0; i < 3; --i) s += p.x;"), None),
+        (body("for (int i = 0; i < int(p.x); ++i) s += p.x;"), None),
+        (body("while (s < p.x) s += 1.0;"), None),
+        (
+            "void back(inout int i) { i = 0; } ".to_owned()
+                + &body("for (int i = 0; i < 3; ++i) back(i);"),
+            None,
+        ),
+    ] {
+        assert_eq!(loop_turns(&read(&text).unwrap().code), turns, "{text}");
+    }
+}
+
 /// Protects stack and memory from deeply nested and long texts: they have no derivative.
 #[test]
 fn large_texts_are_left_alone() {
