@@ -4,7 +4,7 @@ use super::accuracy::Accuracy;
 use super::figures::{Demand, Record};
 use super::late::Onset;
 use super::source_sound::Medium;
-use super::{Response, ResponseSettings};
+use super::{Response, ResponseSettings, taps_of_energy};
 use crate::scene::Pair;
 
 /// Number of waves of the first round. In rooms its errors predict the number of waves that the accuracy takes.
@@ -154,7 +154,7 @@ impl Effort {
         let is_open = response.figures.waves_for(accuracy.share) > 1.0;
         let onset = self.onset.filter(|_| is_open);
         let onset_s = onset.map(|onset| Medium::of(pair).direct_s + onset.length_s);
-        let taps = response.taps();
+        let taps = taps_of_energy(&response.paths);
         let ends_s = response.followed_s.unwrap_or(response.seconds);
         let record = Record::new(&taps, &response.echogram, ends_s);
         let direct_s = response.direct().map(|path| path.delay_s);
