@@ -163,6 +163,18 @@ impl Basin {
     }
 }
 
+/// The shares of the half-planes that belong to the longest string: from 0 at the shortest to 1 at the longest, in
+/// proportion to the detours. A half each if all strings are equally long.
+pub(super) fn shares_of_longest(detours: &Detours) -> [f64; HALF_PLANES] {
+    let known = || detours.iter().flatten().copied();
+    let least = known().fold(f64::INFINITY, f64::min);
+    let most = known().fold(0.0, f64::max);
+    detours.map(|detour| match detour {
+        Some(detour) if most > least + EQUAL_M => (detour - least) / (most - least),
+        _ => 0.5,
+    })
+}
+
 /// The detours of all half-planes that have one.
 pub(super) fn all_samples(detours: &Detours) -> Vec<Samples> {
     Basin::all(detours)

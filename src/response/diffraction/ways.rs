@@ -50,7 +50,7 @@ pub(super) struct Ways {
 pub(super) struct Way {
     pub bend: Bend,
     /// The way around the other side, where the strings of all half-planes belong to this way.
-    pub opposite: Option<Bend>,
+    pub opposite: Option<Opposite>,
     /// Detours of the half-planes that become longer from its own on.
     own: Vec<Samples>,
     /// Detours over the lines of its edges.
@@ -67,6 +67,13 @@ pub(super) struct Way {
     edge_growth_m: f64,
     /// Growth in metres that follows from the width of the ray tube.
     tube_growth_m: f64,
+}
+
+/// The way around the other side of an obstacle.
+pub(super) struct Opposite {
+    bend: Bend,
+    /// The share of each half-plane that belongs to it.
+    shares: [f64; HALF_PLANES],
 }
 
 impl Ways {
@@ -97,7 +104,7 @@ impl Ways {
                 None => {
                     let bend = bend.clone().with_brinks(space);
                     let way = Way::of(space, planes, &strings, bend, own, wide_m);
-                    bends.push(way.with_other_side(space, planes, &basin));
+                    bends.push(way.with_other_side(space, planes, (&basin, &detours)));
                 }
             }
         }
@@ -277,29 +284,38 @@ impl Way {
     }
 
     /// Adds the way around the other side, if the strings of its basin become longer up to a single one there.
-    fn with_other_side(self, space: &impl Space, planes: &HalfPlanes, basin: &Basin) -> Way {
+    fn with_other_side(
+        self,
+        space: &impl Space,
+        planes: &HalfPlanes,
+        (basin, detours): (&Basin, &Detours),
+    ) -> Way {
         if planes.are_beside() || !basin.is_closed() {
             return self;
         }
         let azimuth = basin.longest_after() as f64 * STEP;
         let is_opposite = |bend: &Bend| (bend.azimuth - self.bend.azimuth).cos() < 0.0;
+        let bend = Bend::of(space, planes, azimuth).filter(is_opposite);
         Way {
-            opposite: Bend::of(space, planes, azimuth).filter(is_opposite),
+            opposite: bend.map(|bend| Opposite {
+                bend,
+                shares: ring::shares_of_longest(detours),
+            }),
             ..self
         }
     }
 
     /// The way, and that around the other side.
     pub fn heard(&self) -> impl Iterator<Item = &Bend> {
-        iter::once(&self.bend).chain(&self.opposite)
+        let opposite = self.opposite.as_ref().map(|opposite| &opposite.bend);
+        iter::once(&self.bend).chain(opposite)
     }
 
     /// Pressures at the listener for the wave number `k`, relative to the open at the straight way: along the way, and
     /// around the other side.
     ///
-    /// The half-planes are divided between both sides with the weights cos² and sin² of half the angle to the shortest
-    /// string. On the axis of a body of revolution both sides have the same sound. Far from it each has that of the
-    /// stationary string in its middle.
+    /// The half-planes are divided between both sides by their detours. On the axis of a body of revolution both sides
+    /// have the same sound. Far from it each has that of the stationary string in its middle.
     fn pressures(
         &self,
         space: &impl Space,
@@ -312,7 +328,7 @@ impl Way {
         let product = bend.pressure(space, k, faces)?;
         let wide = wideness(k * self.wide_m);
         let screen = |growth_m: f64| behind_screen(k * growth_m);
-        let relative = |factor: Complex64| Complex64::ONE + (factor - 1.0) * wide;
+        let relative = |factor: Complex64| factor_of(factor, wide);
         let softness = match faces {
             [face] => 0.5 * (1.0 + face),
             _ => 1.0,
@@ -352,11 +368,8 @@ impl Way {
             own.map(|own| own.weighted_sum(k, |index| factors[index] * share(index)))
                 .sum()
         };
-        let beyond = |index: usize| {
-            let turned = index as f64 * STEP - self.bend.azimuth;
-            (0.5 * turned).sin().powi(2)
-        };
-        let around_opposite = self.opposite.as_ref().map(|_| sum(&beyond));
+        let opposite = self.opposite.as_ref();
+        let around_opposite = opposite.map(|opposite| sum(&|index| opposite.shares[index]));
         [sum(&|_| 1.0), around_opposite.unwrap_or_default()]
     }
 }
@@ -388,6 +401,14 @@ pub(super) fn wideness(phase: f64) -> f64 {
         true => phase / (phase + 1.0),
         false => 1.0,
     }
+}
+
+/// The factor of a way around an obstacle that counts by `wide`, from 1 at a narrow one to `factor` at a wide one.
+///
+/// Its part without the factor decreases with it: in the deep shadow of a wide body it would otherwise be louder than
+/// creeping waves.
+pub(super) fn factor_of(factor: Complex64, wide: f64) -> Complex64 {
+    factor * wide + factor.norm().min(1.0).powf(wide) * (1.0 - wide)
 }
 
 /// Adds the ways over the lines of a bend's edges in half-planes without a string, where they are free.
