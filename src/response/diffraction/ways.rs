@@ -29,7 +29,7 @@ const SAME_BASIN: f64 = 3.0;
 /// at random: behind a straight edge; behind 600 balls and 40 cylinders; over two edges, against the boundary-element
 /// values of bars; and where a second obstacle is beyond the first, against those of a doorway (`tests/diffraction`).
 const EDGE_ERRORS_DB: Bands = [0.1; BAND_COUNT];
-const ROUND_ERRORS_DB: Bands = [1.7, 1.1, 0.8, 0.8, 1.1, 1.2, 1.4, 1.6];
+const ROUND_ERRORS_DB: Bands = [1.6, 1.1, 0.8, 0.7, 0.7, 0.7, 0.6, 0.5];
 const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
 const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 
