@@ -190,6 +190,27 @@ fn hidden_level_db(surfaces: &str, [source, listener]: [DVec3; 2], k: f64) -> Op
     Some(20.0 * sum.norm().log10())
 }
 
+/// Protects ways across the rim of a short cylinder, whose two edges cross each other: all energies are numbers.
+#[test]
+fn energies_over_edges_that_cross_are_numbers() {
+    let ends = (
+        DVec3::new(-0.683, 1.656, 3.769),
+        DVec3::new(-1.638, 1.432, -5.857),
+    );
+    let exact = exact(
+        "Surface(shape: Cylinder(radius: 1.339, height: 4.464))",
+        ends,
+    );
+    let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+    assert!(!paths.is_empty());
+    for path in paths {
+        let energies = path.energy.into_iter().chain(path.in_samples);
+        for energy in energies {
+            assert!(energy.is_finite() && energy > 0.0, "{path:?}");
+        }
+    }
+}
+
 /// Protects thin plates seen edge-on, whose edge lies on the line between source and listener: no panic, and sound.
 #[test]
 fn a_thin_plate_seen_edge_on_leaves_sound() {
