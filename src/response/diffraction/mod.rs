@@ -13,7 +13,7 @@
 //!
 //! # Accuracy
 //! Root mean square of the errors in octave bands from 63 Hz to 8 kHz down to −35 dB, of places drawn at random (see
-//! docs/acoustics.md): wedges 0.02 dB, balls 0.5 dB, endless cylinders 0.5 dB; thick bars 1.0 dB from 125 Hz to 4 kHz.
+//! docs/acoustics.md): wedges 0.01 dB, balls 0.4 dB, endless cylinders 0.3 dB; thick bars 0.9 dB from 125 Hz to 4 kHz.
 //!
 //! # Deviations
 //! The thesis has no diffraction. The faces' angles are measured at the distance to which sound of a wavelength
