@@ -31,6 +31,7 @@ mod energies;
 mod interference;
 mod lit;
 mod mirrored;
+mod narrow;
 mod profile;
 mod rim;
 mod ring;

@@ -6,10 +6,10 @@
 
 use super::bend::Bend;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
+use super::narrow::factor_of;
 use super::ring::{self, Basin, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HalfPlanes, STEP, TautString};
-use super::ways::factor_of;
 use super::wedge::{Wedge, behind_screen};
 use glam::DVec3;
 use num_complex::Complex64;

@@ -2,6 +2,7 @@
 
 use super::bend::Bend;
 use super::interference::Sound;
+use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::round::Arc;
@@ -392,23 +393,6 @@ fn wide_m(
     }
     let of_ways = basins.iter().filter_map(|basin| detours[basin.shortest]);
     of_ways.fold(0.0, f64::max) / NARROW_ENDLESS
-}
-
-/// How much a factor counts, from 0 at a narrow obstacle to 1 at a wide one; `phase` is the wave number times
-/// [`wide_m`].
-pub(super) fn wideness(phase: f64) -> f64 {
-    match phase.is_finite() {
-        true => phase / (phase + 1.0),
-        false => 1.0,
-    }
-}
-
-/// The factor of a way around an obstacle that counts by `wide`, from 1 at a narrow one to `factor` at a wide one.
-///
-/// Its part without the factor decreases with it: in the deep shadow of a wide body it would otherwise be louder than
-/// creeping waves.
-pub(super) fn factor_of(factor: Complex64, wide: f64) -> Complex64 {
-    factor * wide + factor.norm().min(1.0).powf(wide) * (1.0 - wide)
 }
 
 /// Adds the ways over the lines of a bend's edges in half-planes without a string, where they are free.
