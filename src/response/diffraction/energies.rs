@@ -98,11 +98,13 @@ impl Ways {
             }
             interference::energy(&sounds, k)
         });
-        let all: f64 = own.iter().sum();
-        match all > 0.0 {
-            true => own.into_iter().map(|own| own * whole / all).collect(),
-            false => own,
+        let mut all: f64 = own.iter().sum();
+        if all == 0.0 {
+            // Only the edges beside the ways are heard.
+            own = vec![1.0; heard.len()];
+            all = own.len() as f64;
         }
+        own.into_iter().map(|own| own * whole / all).collect()
     }
 }
 
