@@ -9,7 +9,7 @@ use super::figures::{Demand, Growth, Parts, Record};
 use super::late::Onset;
 use super::shared::Traced;
 use super::source_sound::Medium;
-use super::{Response, ResponseSettings};
+use super::{Response, ResponseSettings, taps_of_energy};
 use crate::scene::Pair;
 
 /// Number of waves of the first round. In rooms its errors predict the number of waves that the accuracy takes.
@@ -201,7 +201,7 @@ impl Effort {
             early_can_grow: traced.is_search_complete,
             onset_s: Medium::of(pair).direct_s + onset.length_s,
         });
-        let taps = response.taps();
+        let taps = taps_of_energy(&response.paths);
         let ends_s = response.followed_s.unwrap_or(response.seconds);
         let record = Record::new(&taps, &response.echogram, ends_s);
         let direct_s = response.direct().map(|path| path.delay_s);

@@ -9,7 +9,7 @@ use super::shared::Traced;
 use super::source_sound::Medium;
 use super::{
     Arrival, Echogram, Figures, HeardPath, Record, Response, ResponseSettings, direct, energy,
-    least_level, taps,
+    least_level, taps_of_energy,
 };
 use crate::bands::{self, BAND_COUNT};
 use crate::error::Error;
@@ -120,7 +120,7 @@ pub(super) fn response(
             is_search_complete,
         }));
     }
-    let taps = taps(&paths);
+    let taps = taps_of_energy(&paths);
     let record = Record::new(&taps, &echogram, ends_s);
     let direct_s = direct(&paths).map(|path| path.delay_s);
     let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);

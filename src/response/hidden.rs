@@ -97,7 +97,7 @@ impl Hidden {
         });
         let tap = |path: &HeardPath| Tap {
             energy: std::array::from_fn(|band| path.energy[band] * ratio[band]),
-            ..path.tap()
+            ..path.tap_of_energy()
         };
         all().map(tap).collect()
     }

@@ -22,6 +22,7 @@ pub(super) fn raise(response: &mut Response, pair: Pair, medium: &Medium, least_
     let added = HeardPath {
         kind: PathKind::Added,
         energy: missing,
+        in_samples: [1.0; BAND_COUNT],
         errors_db: [0.0; BAND_COUNT],
         ..strongest(&response.paths).cloned().unwrap_or(straight)
     };

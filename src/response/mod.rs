@@ -263,7 +263,7 @@ impl Response {
 
     /// The exact paths as taps of an impulse response.
     pub fn taps(&self) -> Vec<Tap> {
-        taps(&self.paths)
+        self.paths.iter().map(HeardPath::tap).collect()
     }
 
     /// Reasons for missing figures, by band.
@@ -292,6 +292,7 @@ fn direct(paths: &[HeardPath]) -> Option<&HeardPath> {
     paths.iter().find(|path| path.is_direct())
 }
 
-fn taps(paths: &[HeardPath]) -> Vec<Tap> {
-    paths.iter().map(HeardPath::tap).collect()
+/// The exact paths as taps of an echogram, for figures.
+fn taps_of_energy(paths: &[HeardPath]) -> Vec<Tap> {
+    paths.iter().map(HeardPath::tap_of_energy).collect()
 }

@@ -172,6 +172,11 @@ pub struct HeardPath {
     /// Energy density at the listener by band, in 1/m² for a source of power 1, including the
     /// losses at the surfaces and in the air, and the source's level and directivity.
     pub energy: Bands,
+    /// Energy of the path's samples in an impulse response, as a multiple of `energy`, by band. It is 1 except for
+    /// diffracted paths around the same obstacle. Their energies contain their interference, which their samples add
+    /// again by their delays.
+    #[serde(default = "as_energy")]
+    pub in_samples: Bands,
     /// Half-widths in decibels, by band, of the intervals that contain 95 % of the errors of a diffracted level, as
     /// measured on wedges, round bodies, bars and a doorway. 0 for other paths, whose energies are exact in the model.
     #[serde(default)]
@@ -202,11 +207,24 @@ impl HeardPath {
     /// The path as a tap of an impulse response.
     pub fn tap(&self) -> Tap {
         Tap {
+            energy: std::array::from_fn(|band| self.energy[band] * self.in_samples[band]),
+            ..self.tap_of_energy()
+        }
+    }
+
+    /// The path as a tap of an echogram, for figures.
+    pub(crate) fn tap_of_energy(&self) -> Tap {
+        Tap {
             seconds: self.delay_s,
             energy: self.energy,
             direction: self.path.arrival_direction,
         }
     }
+}
+
+/// The default of [`HeardPath::in_samples`].
+fn as_energy() -> Bands {
+    [1.0; BAND_COUNT]
 }
 
 /// Azimuth and elevation of a direction in radians: azimuth to the right of the viewing direction. 0 for the zero

@@ -23,7 +23,7 @@ pub struct DirectWay {
     pub is_in_sight: bool,
     /// Seconds from the source to the listener.
     pub delay_s: f64,
-    /// Unit vector of the world towards the origin of the sound.
+    /// Unit vector of the world towards the origin of the sound. If the source is hidden, the mean of its paths by energy.
     pub from: Vec3,
 }
 
@@ -47,8 +47,8 @@ pub struct EarlyEcho {
 pub struct Update {
     /// The direct way.
     pub direct: DirectWay,
-    /// Unit vector of the world towards the sound: that of the direct way, of the strongest of its paths if it is
-    /// hidden, of the first echo if no direct sound arrives, or else of the mean of all sound. Towards the source if
+    /// Unit vector of the world towards the sound: that of the direct way, of the mean of its paths if it is hidden, of
+    /// the first echo if no direct sound arrives, or else of the mean of all sound. Towards the source if
     /// nothing arrives.
     pub from: Vec3,
     /// Seconds from the source to the first sound.
@@ -92,7 +92,7 @@ impl DirectWay {
             },
             is_in_sight: paths.iter().any(HeardPath::is_direct),
             delay_s: first.delay_s,
-            from: from(first),
+            from: mean_origin(paths).unwrap_or_else(|| from(first)),
         }
     }
 
@@ -109,6 +109,13 @@ impl DirectWay {
 /// Energy in 1/m² of an amplitude relative to 1 m.
 fn energy_of_amplitude(amplitude: f64) -> f64 {
     amplitude * amplitude / (4.0 * std::f64::consts::PI)
+}
+
+/// Unit vector towards the mean origin of the sound of paths, by energy; `None` if no direction prevails.
+fn mean_origin(paths: &[HeardPath]) -> Option<Vec3> {
+    let flow = |path: &HeardPath| path.path.arrival_direction * bands::mean(&path.energy);
+    let flow: DVec3 = paths.iter().map(flow).sum();
+    flow.try_normalize().map(|flow| (-flow).as_vec3())
 }
 
 fn from(path: &HeardPath) -> Vec3 {
@@ -136,7 +143,7 @@ impl Surroundings {
         let is_echo =
             |path: &&HeardPath| !matches!(path.kind, PathKind::Direct | PathKind::Transmitted);
         let mut paths: Vec<&HeardPath> = response.paths.iter().filter(is_echo).collect();
-        let taps: Vec<Tap> = paths.iter().map(|path| path.tap()).collect();
+        let taps: Vec<Tap> = paths.iter().map(|path| path.tap_of_energy()).collect();
         let level = |path: &HeardPath| bands::mean(&path.energy);
         paths.sort_by(|a, b| level(b).total_cmp(&level(a)));
         let (kept, rest) = paths.split_at(most.min(paths.len()));
@@ -149,7 +156,7 @@ impl Surroundings {
             }
             EarlyEcho {
                 key,
-                gain: path.energy.map(amplitude),
+                gain: path.tap().energy.map(amplitude),
                 delay_s: path.delay_s,
                 from: from(path),
             }

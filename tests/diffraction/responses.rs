@@ -126,7 +126,7 @@ fn errors_behind(
 }
 
 /// Level of an octave band in dB, from nine frequencies: enough for two ways that differ by four wavelengths.
-fn coarse_band_level_db(pressure: impl Fn(f64) -> Complex64, centre_hz: f64) -> f64 {
+pub fn coarse_band_level_db(pressure: impl Fn(f64) -> Complex64, centre_hz: f64) -> f64 {
     let energy = |index: i32| pressure(centre_hz * 2_f64.powf(f64::from(index) / 9.0)).norm_sqr();
     10.0 * ((-4..=4).map(energy).sum::<f64>() / 9.0).log10()
 }
@@ -252,7 +252,7 @@ fn responses_state_the_time_of_their_diffraction() {
 }
 
 /// The response of a scene.
-fn response(tracer: &mut Tracer, text: &str, diffraction: bool) -> Response {
+pub fn response(tracer: &mut Tracer, text: &str, diffraction: bool) -> Response {
     let scene = Scene::from_ron(text, "test").expect("a scene");
     let settings = ResponseSettings::default()
         .with_seconds(0.4)

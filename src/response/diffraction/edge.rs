@@ -74,7 +74,7 @@ impl Edge {
     /// The wedge of air around the edge between the ends of its two legs. `outwards` points away
     /// from the solid; `radius` is the distance from the edge, in metres, at which the faces are sought.
     ///
-    /// `None` if an end lies on the edge's line or no face is found.
+    /// `None` if an end lies on the edge's line, no face is found, or the faces leave no air between them.
     pub fn wedge(
         &self,
         space: &impl Space,
@@ -94,8 +94,9 @@ impl Edge {
         let face_a = self.face(space, towards_a, side * -turn, radius)?;
         let side_b = self.along.cross(towards_b);
         let face_b = self.face(space, towards_b, side_b * turn, radius)?;
-        Some(Wedge {
-            air_angle: face_a + through_air.abs() + face_b,
+        let air_angle = face_a + through_air.abs() + face_b;
+        (air_angle > 0.0).then(|| Wedge {
+            air_angle,
             source_m: off_a.length(),
             source_angle: face_a,
             receiver_m: off_b.length(),

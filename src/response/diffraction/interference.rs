@@ -37,6 +37,25 @@ pub(super) fn energy(sounds: &[Sound], k: f64) -> f64 {
     energy.max(0.0)
 }
 
+/// The energy in a band of the sum of samples that have these energies and whose ways have these lengths in metres, as a
+/// multiple of the sum of the energies.
+///
+/// It is above 0.1 for two ways: no difference of lengths cancels a whole octave.
+pub(super) fn of_samples(band: usize, speed: f64, ways: &[(f64, f64)]) -> f64 {
+    let all: f64 = ways.iter().map(|(energy, _)| energy).sum();
+    if all == 0.0 {
+        return 1.0;
+    }
+    let whole = band_mean(band, speed, |k| {
+        let sound = |&(energy, length_m): &(f64, f64)| Sound {
+            pressure: Complex64::from_polar(energy.sqrt(), k * length_m),
+            length_m,
+        };
+        energy(&ways.iter().map(sound).collect::<Vec<_>>(), k)
+    });
+    whole / all
+}
+
 /// How much two sounds interfere over the third octave about `k` if their ways differ by `difference_m` metres: from 1 if
 /// they are equally long.
 pub(super) fn coherence(difference_m: f64, k: f64) -> f64 {

@@ -3,10 +3,11 @@
 use super::Ends;
 use super::OFF_THE_EDGE;
 use super::interference::{self, Sound, band_mean};
+use super::narrow::wideness;
 use super::rim::{MOST_DETOUR_M, Rim};
 use super::space::Space;
 use super::string::HalfPlanes;
-use super::ways::{Ways, wideness};
+use super::ways::Ways;
 use crate::bands::Bands;
 use num_complex::Complex64;
 

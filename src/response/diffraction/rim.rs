@@ -6,6 +6,7 @@
 
 use super::bend::Bend;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
+use super::narrow::factor_of;
 use super::ring::{self, Basin, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HalfPlanes, STEP, TautString};
@@ -190,7 +191,7 @@ impl Rim {
         if let Some(grazing) = &self.grazing {
             // Twice the pressure at the boundary of the shadow: an edge halves it.
             let creeping = 2.0 * grazing.pressure(space, k, &[face])?;
-            ratio = 1.0 + (creeping - 1.0) * (round * wide);
+            ratio = 1.0 + (factor_of(creeping, wide) - 1.0) * round;
             added.direct = added.direct * (1.0 - round) - straight * round;
             added.ending *= 1.0 - round;
             added.reflected *= 1.0 - round;

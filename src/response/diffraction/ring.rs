@@ -24,6 +24,10 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 /// Parts of the interval between half-planes on which the phase is linear.
 const PARTS: usize = 12;
 
+/// Difference of detours in metres up to which strings are equally long: a phase of 0.003 rad at 8 kHz. Without it the
+/// rounding of numbers would decide which strings are shortest on the axis of a body of revolution.
+const EQUAL_M: f64 = 2e-5;
+
 /// Detours in metres in half-planes all around a line, from azimuth 0; `None` where no string leads around.
 pub(super) type Detours = [Option<f64>; HALF_PLANES];
 
@@ -45,16 +49,15 @@ pub(super) struct Basin {
 impl Basin {
     /// The basins of detours.
     pub fn all(detours: &Detours) -> Vec<Basin> {
-        let at = |index: usize| detours[index % HALF_PLANES].unwrap_or(f64::INFINITY);
-        let shortest = (0..HALF_PLANES).filter(|index| {
-            let own = at(*index);
-            own < at(index + HALF_PLANES - 1) && own <= at(index + 1)
-        });
+        let known = (0..HALF_PLANES).filter_map(|index| Some((index, detours[index]?)));
+        let shortest = (0..HALF_PLANES).filter(|index| Basin::is_shortest(detours, *index));
         let mut basins: Vec<Basin> = shortest.map(|index| Basin::of(detours, index)).collect();
-        if basins.is_empty() && detours[0].is_some() {
+        if basins.is_empty()
+            && let Some((shortest, _)) = known.min_by(|a, b| a.1.total_cmp(&b.1))
+        {
             // All strings are equally long: the axis of a body of revolution.
             basins.push(Basin {
-                shortest: 0,
+                shortest,
                 before: HALF_PLANES / 2,
                 after: HALF_PLANES / 2,
             });
@@ -62,24 +65,56 @@ impl Basin {
         basins
     }
 
-    fn of(detours: &Detours, shortest: usize) -> Basin {
-        let at = |index: usize| detours[index % HALF_PLANES];
-        let rises = |from: usize, to: usize| match (at(from), at(to)) {
-            (Some(from), Some(to)) => to >= from,
-            _ => false,
+    /// Whether strings become longer on both sides of one before they become shorter. The first of equally long ones
+    /// counts.
+    fn is_shortest(detours: &Detours, index: usize) -> bool {
+        let Some(own) = detours[index] else {
+            return false;
         };
-        let after = (0..HALF_PLANES)
-            .take_while(|steps| rises(shortest + steps, shortest + steps + 1))
-            .count();
-        let back = |steps: usize| shortest + 2 * HALF_PLANES - steps;
-        let before = (0..HALF_PLANES - after.min(HALF_PLANES))
-            .take_while(|steps| rises(back(*steps), back(steps + 1)))
-            .count();
+        let becomes_longer = |step: usize| {
+            for steps in 1..HALF_PLANES {
+                match detours[(index + steps * step) % HALF_PLANES] {
+                    Some(other) if other < own || (other == own && step > 1) => return false,
+                    Some(other) if other <= own + EQUAL_M => {}
+                    _ => return true,
+                }
+            }
+            false
+        };
+        becomes_longer(1) && becomes_longer(HALF_PLANES - 1)
+    }
+
+    fn of(detours: &Detours, shortest: usize) -> Basin {
+        let after = Basin::rise(detours, shortest, 1, HALF_PLANES);
+        let before = Basin::rise(detours, shortest, HALF_PLANES - 1, HALF_PLANES - after);
         Basin {
             shortest,
             before,
             after,
         }
+    }
+
+    /// Number of steps, at most `most`, from the shortest string to the longest one before they become shorter again.
+    fn rise(detours: &Detours, shortest: usize, step: usize, most: usize) -> usize {
+        let mut longest = (0, detours[shortest].unwrap_or(f64::INFINITY));
+        for steps in 1..=most {
+            match detours[(shortest + steps * step) % HALF_PLANES] {
+                Some(detour) if detour >= longest.1 => longest = (steps, detour),
+                Some(detour) if detour >= longest.1 - EQUAL_M => {}
+                _ => break,
+            }
+        }
+        longest.0
+    }
+
+    /// Whether the strings become longer on both sides up to the same one.
+    pub fn is_closed(&self) -> bool {
+        self.before + self.after == HALF_PLANES
+    }
+
+    /// Index of the half-plane in which the strings after the shortest one are longest.
+    pub fn longest_after(&self) -> usize {
+        (self.shortest + self.after) % HALF_PLANES
     }
 
     /// The half-planes with strings around the one with the longest, and the index of that one; `None` without strings.
@@ -126,6 +161,18 @@ impl Basin {
         let is_endless = [first + HALF_PLANES - 1, last + 1].map(|next| at(next).is_none());
         Samples::interpolated(first, (first..=last).map(at).collect(), is_endless)
     }
+}
+
+/// The shares of the half-planes that belong to the longest string: from 0 at the shortest to 1 at the longest, in
+/// proportion to the detours. A half each if all strings are equally long.
+pub(super) fn shares_of_longest(detours: &Detours) -> [f64; HALF_PLANES] {
+    let known = || detours.iter().flatten().copied();
+    let least = known().fold(f64::INFINITY, f64::min);
+    let most = known().fold(0.0, f64::max);
+    detours.map(|detour| match detour {
+        Some(detour) if most > least + EQUAL_M => (detour - least) / (most - least),
+        _ => 0.5,
+    })
 }
 
 /// The detours of all half-planes that have one.
@@ -275,6 +322,34 @@ fn hermite([a, b]: [f64; 2], [slope_a, slope_b]: [f64; 2], t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Protects the axis of a body of revolution: one basin all around, although rounding makes some strings shorter.
+    #[test]
+    fn strings_that_differ_by_rounding_are_equally_long() {
+        let detours: Detours = std::array::from_fn(|index| Some(0.3 + 1e-9 * (index % 3) as f64));
+        let basins = Basin::all(&detours);
+        assert_eq!(basins.len(), 1, "{basins:?}");
+        assert!(basins[0].is_closed());
+        let half = (basins[0].shortest + HALF_PLANES / 2) % HALF_PLANES;
+        assert_eq!(basins[0].longest_after(), half);
+    }
+
+    /// Protects shallow ends of basins: rounding ends none before its longest string.
+    #[test]
+    fn basins_end_at_their_longest_strings() {
+        let ripple = |index: usize| 1e-9 * (index % 2) as f64;
+        let around = |waves: usize| -> Vec<(usize, usize, usize)> {
+            let detours: Detours = std::array::from_fn(|index| {
+                let turned = (waves * index) as f64 * STEP;
+                Some(0.3 - 1e-3 * turned.cos() + ripple(index))
+            });
+            let basins = Basin::all(&detours);
+            let of = |basin: &Basin| (basin.shortest, basin.before, basin.after);
+            basins.iter().map(of).collect()
+        };
+        assert_eq!(around(1), [(0, 16, 16)]);
+        assert_eq!(around(2), [(0, 8, 8), (16, 8, 8)]);
+    }
 
     /// Protects the sum over a whole ring of equal detours, and over half a ring: all half-planes have the same phase.
     #[test]

@@ -1,8 +1,8 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
-use super::DiffractedPath;
 use super::bend::Bend;
-use super::interference::{self, Sound, THIRDS, band_mean, coherence};
+use super::interference::Sound;
+use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::round::Arc;
@@ -12,7 +12,7 @@ use super::wedge::behind_screen;
 use crate::bands::{BAND_COUNT, Bands};
 use glam::DVec3;
 use num_complex::Complex64;
-use std::f64::consts::PI;
+use std::iter;
 
 /// Phase in radians between the longest string around a closed obstacle and the straight line at which the factors of the
 /// ways count half: a narrower obstacle disturbs the front as a thin screen does. The same for the longer way around an
@@ -30,7 +30,7 @@ const SAME_BASIN: f64 = 3.0;
 /// at random: behind a straight edge; behind 600 balls and 40 cylinders; over two edges, against the boundary-element
 /// values of bars; and where a second obstacle is beyond the first, against those of a doorway (`tests/diffraction`).
 const EDGE_ERRORS_DB: Bands = [0.1; BAND_COUNT];
-const ROUND_ERRORS_DB: Bands = [1.7, 1.1, 0.8, 0.8, 1.1, 1.2, 1.4, 1.6];
+const ROUND_ERRORS_DB: Bands = [1.6, 1.1, 0.8, 0.7, 0.7, 0.7, 0.6, 0.5];
 const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
 const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 
@@ -42,7 +42,7 @@ pub(super) struct Ways {
     /// Edges beside the ways.
     rims: Vec<Rim>,
     /// Distance between the points in metres.
-    apart_m: f64,
+    pub apart_m: f64,
     /// Wavelength over 2π in metres at which the factors of the ways count half.
     pub wide_m: f64,
 }
@@ -50,6 +50,8 @@ pub(super) struct Ways {
 /// One way, with the half-planes around it.
 pub(super) struct Way {
     pub bend: Bend,
+    /// The way around the other side, where the strings of all half-planes belong to this way.
+    pub opposite: Option<Opposite>,
     /// Detours of the half-planes that become longer from its own on.
     own: Vec<Samples>,
     /// Detours over the lines of its edges.
@@ -66,6 +68,13 @@ pub(super) struct Way {
     edge_growth_m: f64,
     /// Growth in metres that follows from the width of the ray tube.
     tube_growth_m: f64,
+}
+
+/// The way around the other side of an obstacle.
+pub(super) struct Opposite {
+    bend: Bend,
+    /// The share of each half-plane that belongs to it.
+    shares: [f64; HALF_PLANES],
 }
 
 impl Ways {
@@ -95,7 +104,8 @@ impl Ways {
                 Some(way) => way.own.push(own),
                 None => {
                     let bend = bend.clone().with_brinks(space);
-                    bends.push(Way::of(space, planes, &strings, bend, own, wide_m));
+                    let way = Way::of(space, planes, &strings, bend, own, wide_m);
+                    bends.push(way.with_other_side(space, planes, (&basin, &detours)));
                 }
             }
         }
@@ -137,45 +147,6 @@ impl Ways {
         self.rims.retain(|rim| is_kept(rim.point()));
     }
 
-    /// The paths along the ways; `coefficients` are the pressure reflection coefficients of a surface, by its number and
-    /// by band.
-    pub fn paths(
-        &self,
-        space: &impl Space,
-        speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
-    ) -> Vec<DiffractedPath> {
-        let energies = self.energies(space, speed, coefficients);
-        let errors_db = self.errors_db();
-        let paths = self.bends.iter().zip(energies);
-        let path = |(way, energy): (&Way, Bands)| {
-            DiffractedPath::along(&way.bend, space, (energy, errors_db))
-        };
-        paths.filter_map(path).collect()
-    }
-
-    /// Energy density at the listener of each way by band, in 1/m² for a source of power 1.
-    ///
-    /// The energies add up to the energy of the sum of the pressures. Ways that are equally long are one in a band: the
-    /// shortest has their energy.
-    fn energies(
-        &self,
-        space: &impl Space,
-        speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
-    ) -> Vec<Bands> {
-        let faces = self.faces(space, coefficients);
-        let mut energies = vec![[0.0; BAND_COUNT]; self.bends.len()];
-        for band in 0..BAND_COUNT {
-            let faces = Ways::in_band(&faces, band);
-            let own = self.energies_in_band(space, speed, band, &faces);
-            for (energies, energy) in energies.iter_mut().zip(own) {
-                energies[band] = energy / (4.0 * PI * self.apart_m * self.apart_m);
-            }
-        }
-        energies
-    }
-
     /// The pressure reflection coefficients by band at the turns of each way, then at each edge beside the ways.
     pub fn faces(
         &self,
@@ -197,16 +168,17 @@ impl Ways {
         faces.iter().map(of_one).collect()
     }
 
-    /// The sounds of the ways, followed by the sounds of the other edges, relative to the open, for the wave number `k`.
+    /// The sounds of the ways, each with that around its other side, followed by the sounds of the other edges, relative to the open, for the wave number `k`.
     /// `faces` has the pressure reflection coefficients in the same order: at the turns of each way, and at each edge.
     pub fn sounds(&self, space: &impl Space, k: f64, faces: &[Vec<f64>]) -> Vec<Sound> {
         let (of_bends, of_rims) = faces.split_at(self.bends.len());
-        let ways = self.bends.iter().zip(of_bends).map(|(way, faces)| {
-            let pressure = way.pressure(space, k, faces, self.apart_m);
-            Sound {
-                pressure: pressure.unwrap_or_default(),
-                length_m: way.bend.length_m,
-            }
+        let ways = self.bends.iter().zip(of_bends).flat_map(|(way, faces)| {
+            let pressures = way.pressures(space, k, faces, self.apart_m);
+            let sounds = way.heard().zip(pressures.unwrap_or_default());
+            sounds.map(|(bend, pressure)| Sound {
+                pressure,
+                length_m: bend.length_m,
+            })
         });
         let rims = self.rims.iter().zip(of_rims.iter().flatten());
         let added = rims.filter_map(|(rim, face)| {
@@ -240,43 +212,6 @@ impl Ways {
         all.fold([0.0; BAND_COUNT], |most, errors| {
             std::array::from_fn(|band| most[band].max(errors[band]))
         })
-    }
-
-    fn energies_in_band(
-        &self,
-        space: &impl Space,
-        speed: f64,
-        band: usize,
-        faces: &[Vec<f64>],
-    ) -> Vec<f64> {
-        let mut own = vec![0.0; self.bends.len()];
-        let lengths = self.bends.iter().map(|way| way.bend.length_m);
-        let shortest = lengths.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((shortest, shortest_m)) = shortest else {
-            return own;
-        };
-        let whole = band_mean(band, speed, |k| {
-            let sounds = self.sounds(space, k, faces);
-            for (own, sound) in own.iter_mut().zip(&sounds) {
-                // Ways that are equally long are one.
-                let apart = 1.0 - coherence(sound.length_m - shortest_m, k).abs();
-                *own += apart * sound.pressure.norm_sqr();
-            }
-            interference::energy(&sounds, k)
-        });
-        for own in &mut own {
-            *own /= THIRDS.len() as f64;
-        }
-        own[shortest] = 0.0;
-        let others: f64 = own.iter().sum();
-        if others > whole {
-            return own
-                .into_iter()
-                .map(|energy| energy * whole / others)
-                .collect();
-        }
-        own[shortest] = whole - others;
-        own
     }
 }
 
@@ -325,6 +260,7 @@ impl Way {
             edge_growth_m,
             tube_growth_m: edge_growth_m * width * spread,
             closed,
+            opposite: None,
             bend,
         }
     }
@@ -348,50 +284,94 @@ impl Way {
         })
     }
 
-    /// Pressure at the listener for the wave number `k`, relative to the open at the straight way.
-    fn pressure(
+    /// Adds the way around the other side, if the strings of its basin become longer up to a single one there.
+    fn with_other_side(
+        self,
+        space: &impl Space,
+        planes: &HalfPlanes,
+        (basin, detours): (&Basin, &Detours),
+    ) -> Way {
+        if planes.are_beside() || !basin.is_closed() {
+            return self;
+        }
+        let azimuth = basin.longest_after() as f64 * STEP;
+        let is_opposite = |bend: &Bend| (bend.azimuth - self.bend.azimuth).cos() < 0.0;
+        let bend = Bend::of(space, planes, azimuth).filter(is_opposite);
+        Way {
+            opposite: bend.map(|bend| Opposite {
+                bend,
+                shares: ring::shares_of_longest(detours),
+            }),
+            ..self
+        }
+    }
+
+    /// The way, and that around the other side.
+    pub fn heard(&self) -> impl Iterator<Item = &Bend> {
+        let opposite = self.opposite.as_ref().map(|opposite| &opposite.bend);
+        iter::once(&self.bend).chain(opposite)
+    }
+
+    /// Pressures at the listener for the wave number `k`, relative to the open at the straight way: along the way, and
+    /// around the other side.
+    ///
+    /// The half-planes are divided between both sides by their detours. On the axis of a body of revolution both sides
+    /// have the same sound. Far from it each has that of the stationary string in its middle.
+    fn pressures(
         &self,
         space: &impl Space,
         k: f64,
         faces: &[f64],
         apart_m: f64,
-    ) -> Option<Complex64> {
+    ) -> Option<[Complex64; 2]> {
         let bend = &self.bend;
         let detour_m = bend.length_m - apart_m;
         let product = bend.pressure(space, k, faces)?;
         let wide = wideness(k * self.wide_m);
         let screen = |growth_m: f64| behind_screen(k * growth_m);
-        let relative = |factor: Complex64| Complex64::ONE + (factor - 1.0) * wide;
+        let relative = |factor: Complex64| factor_of(factor, wide);
         let softness = match faces {
             [face] => 0.5 * (1.0 + face),
             _ => 1.0,
         };
         let round = bend.most_round(space, k);
-        let mut sum = Complex64::ZERO;
+        let [mut all, mut opposite] = [Complex64::ZERO; 2];
         if round < 1.0 {
             let straight = screen(detour_m);
-            let factor = product * (apart_m / bend.length_m) / straight;
-            let ends = ring::sum(&self.own, k) - ring::sum(&self.lines, k);
-            let front = straight * Complex64::cis(k * detour_m) + ends;
-            sum += (1.0 - round) * relative(factor) * front;
+            let factor = (1.0 - round) * relative(product * (apart_m / bend.length_m) / straight);
+            let [own, beyond] = self.sums(k, |_| Complex64::ONE);
+            let front = straight * Complex64::cis(k * detour_m) + own - ring::sum(&self.lines, k);
+            all += factor * front;
+            opposite += factor * beyond;
         }
         if round > 0.0 {
             let spread = (apart_m / bend.length_m).powf(1.0 - self.closed);
             let factor = relative(product * spread / screen(self.edge_growth_m));
-            let weights = |index: usize| match &self.arcs[index] {
+            let [own, beyond] = self.sums(k, |index| match &self.arcs[index] {
                 Some(arc) => relative(
                     softness * spread * arc.pressure(k) / screen(arc.argument(1.0).powi(2)),
                 ),
                 None => factor,
-            };
-            let own = self
-                .own
-                .iter()
-                .map(|samples| samples.weighted_sum(k, weights));
-            let focus = screen(self.tube_growth_m) / screen(self.growth_m);
-            sum += round * own.sum::<Complex64>() * focus;
+            });
+            let focus = round * screen(self.tube_growth_m) / screen(self.growth_m);
+            all += own * focus;
+            opposite += beyond * focus;
         }
-        Some(sum)
+        Some([all - opposite, opposite])
+    }
+
+    /// The integral of exp(ikδ) over the half-planes of the way, divided by 2π, and the part of it around the other
+    /// side. `factor` takes the index of the half-plane.
+    fn sums(&self, k: f64, factor: impl Fn(usize) -> Complex64) -> [Complex64; 2] {
+        let factors: Vec<Complex64> = (0..HALF_PLANES).map(factor).collect();
+        let sum = |share: &dyn Fn(usize) -> f64| -> Complex64 {
+            let own = self.own.iter();
+            own.map(|own| own.weighted_sum(k, |index| factors[index] * share(index)))
+                .sum()
+        };
+        let opposite = self.opposite.as_ref();
+        let around_opposite = opposite.map(|opposite| sum(&|index| opposite.shares[index]));
+        [sum(&|_| 1.0), around_opposite.unwrap_or_default()]
     }
 }
 
@@ -413,15 +393,6 @@ fn wide_m(
     }
     let of_ways = basins.iter().filter_map(|basin| detours[basin.shortest]);
     of_ways.fold(0.0, f64::max) / NARROW_ENDLESS
-}
-
-/// How much a factor counts, from 0 at a narrow obstacle to 1 at a wide one; `phase` is the wave number times
-/// [`wide_m`].
-pub(super) fn wideness(phase: f64) -> f64 {
-    match phase.is_finite() {
-        true => phase / (phase + 1.0),
-        false => 1.0,
-    }
 }
 
 /// Adds the ways over the lines of a bend's edges in half-planes without a string, where they are free.

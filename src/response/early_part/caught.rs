@@ -60,7 +60,7 @@ impl Caught<'_> {
     /// The exact paths for which `is_taken` holds, as taps.
     fn taps(&self, is_taken: &dyn Fn(&SpecularPath) -> bool) -> Vec<Tap> {
         let taken = self.paths.iter().filter(|heard| is_taken(&heard.path));
-        taken.map(HeardPath::tap).collect()
+        taken.map(HeardPath::tap_of_energy).collect()
     }
 
     /// The echogram plus the waves of the paths for which `is_taken` holds.

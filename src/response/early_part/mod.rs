@@ -250,6 +250,7 @@ impl EarlyPart {
                 reflections: (0..path.points.len()).collect(),
                 delay_s: path.length_m / medium.speed,
                 energy: bands::through_air(&emitted, &medium.air, path.length_m),
+                in_samples: [1.0; BAND_COUNT],
                 errors_db: [0.0; BAND_COUNT],
                 azimuth,
                 elevation,

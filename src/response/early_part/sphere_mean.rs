@@ -218,7 +218,7 @@ impl Replaced {
             taps.push(tap(path.length_m, radiated_along(pair, path), spreading));
         }
         let others = self.others.iter().filter(|path| is_kept(**path));
-        taps.extend(others.map(|path| heard[*path].tap()));
+        taps.extend(others.map(|path| heard[*path].tap_of_energy()));
         taps
     }
 
@@ -307,7 +307,7 @@ pub(super) fn unhidden_taps(
         let energy = heard.energy.map(|energy| energy * share);
         Tap {
             energy,
-            ..heard.tap()
+            ..heard.tap_of_energy()
         }
     };
     kept.map(mean).collect()

@@ -133,7 +133,8 @@ impl Bend {
         };
         let radius = face_distance_m(k, way_lengths(&points, index), shorter_leg(&points, index));
         let wedge = wedge_at(space, &points, index, &edge, (self.outwards, radius))?;
-        Some(wedge.behind(k, face))
+        // Edges that cross each other have no common one.
+        (wedge.air_angle > PI).then(|| wedge.behind(k, face))
     }
 
     /// Pressure at the listener for the wave number `k` by one turn, relative to the open at the way's length, and whether
