@@ -4,7 +4,7 @@
 //! nested ones included, have taken 65,536 turns. The maximum turns of one iteration of a wave are therefore counted
 //! here, and nowhere else: over the steps of a march, the lists of cells, the cells that a line crosses, the copies of
 //! repetitions and the cells of copies. If one loop contains another, the turns of both count. A loop in a user's text
-//! counts with its turns if it counts to a constant end. A call of a text with other loops counts as [`USER_TURNS`].
+//! counts with its turns if it counts to a constant end, and as at most 60 if it may also end before. A call of a text with other loops counts as [`USER_TURNS`].
 //!
 //! The count determines the [`Budget`]: the number of iterations in a pass and, if a single march could exceed the
 //! limit, the number of steps in a march. Waves that reach the step limit are counted and reported.
@@ -51,10 +51,10 @@ const MOST_MESH_TURNS: u64 = 16_000;
 /// Turns of the loop over the step lengths.
 const TURNS_OF_DIFFERENCES: u64 = 7;
 
-/// Maximum calls of a user's text in one projection if the text states its gradient or is differentiated: value and
-/// gradient, twice, and once more where the gradient is undefined (`glsl/user/gradient.glsl`,
-/// `glsl/user/derivative.glsl`).
-const CALLS_OF_GRADIENT: u64 = 6;
+/// Maximum calls of a user's text in one projection if the text states its gradient or is differentiated: at each of
+/// three sheets (`glsl/common/onto_field.glsl`) the value and the gradient, and the gradient once more where it is
+/// undefined (`glsl/user/gradient.glsl`, `glsl/user/derivative.glsl`).
+const CALLS_OF_GRADIENT: u64 = 9;
 
 /// Maximum turns of the loops in one evaluation, for each evaluated function. The number is 0 without loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

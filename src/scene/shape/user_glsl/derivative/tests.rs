@@ -142,6 +142,41 @@ fn turns_of_loops_are_counted() {
         (body("for (int i = 0; i < 3; --i) s += p.x;"), None),
         (body("for (int i = 0; i < int(p.x); ++i) s += p.x;"), None),
         (body("while (s < p.x) s += 1.0;"), None),
+        // A gradient is called beside the value.
+        (
+            body("for (int i = 0; i < 3; ++i) s += p.x;")
+                + " vec3 fieldGradient(vec3 p) { for (int i = 0; i < 7; ++i) p *= 0.5; return p; }",
+            Some(3 + 7),
+        ),
+        // A guard far away counts as few turns, if the loop may end before it.
+        (
+            body("for (int i = 0; i < 1000; ++i) { if (s > p.x) break; s += 1.0; }"),
+            Some(60),
+        ),
+        (
+            body(
+                "for (int i = 0; i < 900000000; ++i) for (int j = 0; j < 900000000; ++j) s += p.x;",
+            ),
+            Some(1 << 20),
+        ),
+        // Counts that would be wrong: another variable of the name, a changed counter, numbers that wrap or stop growing,
+        // octal digits.
+        (
+            "const int N = 4; ".to_owned()
+                + &body("int N = 4000; for (int i = 0; i < N; ++i) s += p.x;"),
+            None,
+        ),
+        (
+            body("for (int i = 0; i < 3 && --i > -9000; ++i) s += p.x;"),
+            None,
+        ),
+        (body("for (uint i = 5u; i >= 0u; --i) s += p.x;"), None),
+        (body("for (uint i = 0u; i < -1u; ++i) s += p.x;"), None),
+        (
+            body("for (float i = 16777216.0; i < 16777220.0; i += 1.0) s += p.x;"),
+            None,
+        ),
+        (body("for (int i = 010; i < 20; ++i) s += p.x;"), None),
         (
             "void back(inout int i) { i = 0; } ".to_owned()
                 + &body("for (int i = 0; i < 3; ++i) back(i);"),

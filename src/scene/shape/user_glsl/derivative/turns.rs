@@ -1,4 +1,5 @@
-//! The turns of the loops in a text: an upper bound, for loops that count with a constant step to a constant end.
+//! The turns of the loops in a text: an upper bound, for loops that count with a constant step to a constant end. A loop
+//! that may end earlier, by `break` or `return`, counts as at most [`ENDED_TURNS`].
 
 use super::syntax::{
     Declaration, Expression, ExpressionKind as Kind, Function, Program, Statement, Variable,
@@ -10,15 +11,25 @@ use std::collections::HashMap;
 /// circle does not compile.
 const DEEPEST_CALL: usize = 32;
 
-/// The most turns that all loops in one call of `field` take together, nested ones included; `None` if a loop is not
-/// counted by constants.
+/// The count of a loop that ends earlier if a condition holds, if it counts to more. Loops that search or iterate state a
+/// large end as a guard, and take few turns.
+const ENDED_TURNS: u64 = 60;
+
+/// The greatest count of turns. A driver that limits loops allows fewer.
+const MOST_TURNS: u64 = 1 << 20;
+
+/// The most turns of a loop that counts floats. The rounding errors of more sums may amount to a turn.
+const MOST_FLOAT_TURNS: f64 = 4096.0;
+
+/// The most turns that all loops in one call of `field` and one of `fieldGradient`, if there is one, take together, nested
+/// ones included; `None` if a loop is not counted by constants.
 pub fn turns(program: &Program) -> Option<u64> {
     let mut count = Count {
         program,
         depth: 0,
         known: HashMap::new(),
     };
-    count.of_call("field")
+    sum([count.of_call("field"), count.of_call("fieldGradient")])
 }
 
 struct Count<'a, 'b> {
@@ -81,13 +92,16 @@ impl<'a, 'b> Count<'a, 'b> {
                 step: Some(step),
                 body,
             } => {
-                let count = self.count(first, condition, step, body)?;
+                let count = match may_end(body) {
+                    true => self.count(first, condition, step, body)?.min(ENDED_TURNS),
+                    false => self.count(first, condition, step, body)?,
+                };
                 let each = sum([
                     self.of_expression(condition),
                     self.of_expression(step),
                     self.of_statements(body),
                 ])?;
-                let whole = count.checked_mul(each.checked_add(1)?)?;
+                let whole = count.saturating_mul(1 + each);
                 sum([
                     self.of_statements(first),
                     self.of_expression(condition),
@@ -125,21 +139,31 @@ impl<'a, 'b> Count<'a, 'b> {
         let [counter] = &variables[..] else {
             return None;
         };
-        if !counter.of_type.is_scalar() || body.iter().any(|s| self.may_change(s, counter.name)) {
+        let is_changed = body.iter().any(|s| self.may_change(s, counter.name))
+            || self.changes(condition, counter.name);
+        if !counter.of_type.is_scalar() || is_changed {
             return None;
         }
         let start = self.number(counter.initial.as_ref()?)?;
         let step = self.step(step, counter.name)?;
         let (end, includes_end) = self.end(condition, counter.name, step)?;
         let steps = (end - start) / step;
+        let is_float = counter.of_type.base == Base::Float;
+        let is_unsigned = counter.of_type.base == Base::Uint;
+        // Numbers that wrap, and floats that stop growing, never reach the end.
+        let wraps = is_unsigned && (step < 0.0 || start < 0.0 || end < 0.0);
+        let largest = (start.abs().max(end.abs()) / step).abs();
+        if wraps || (is_float && (steps > MOST_FLOAT_TURNS || largest > MOST_FLOAT_TURNS)) {
+            return None;
+        }
         // A sum of floats may end a turn later.
-        let rounded = u64::from(counter.of_type.base == Base::Float);
+        let rounded = u64::from(is_float);
         let whole = if includes_end {
             steps.floor() + 1.0
         } else {
             steps.ceil()
         };
-        (whole < 1e9).then_some(whole.max(0.0) as u64 + rounded)
+        Some((whole.clamp(0.0, MOST_TURNS as f64) as u64 + rounded).min(MOST_TURNS))
     }
 
     /// The end of a loop, and whether it has a turn at this end. Of two conditions that must both hold, one is enough.
@@ -187,8 +211,10 @@ impl<'a, 'b> Count<'a, 'b> {
     /// A number that is constant: a literal, or a constant of the text with a literal.
     fn number(&self, expression: &Expression<'a>) -> Option<f64> {
         match &expression.kind {
+            Kind::Literal(text) if is_octal(text) => None,
             Kind::Literal(text) => text.trim_end_matches(['u', 'U', 'f', 'F']).parse().ok(),
             Kind::Prefix("-", of) => Some(-self.number(of)?),
+            Kind::Name(name) if self.is_local(name) => None,
             Kind::Name(name) => {
                 let constants = self.program.globals.iter().filter(|d| d.is_const);
                 let mut all = constants.flat_map(|d| &d.variables);
@@ -200,6 +226,15 @@ impl<'a, 'b> Count<'a, 'b> {
             }
             _ => None,
         }
+    }
+
+    /// Whether a function has a parameter or a variable with this name, which may hide a constant of the text.
+    fn is_local(&self, name: &str) -> bool {
+        self.program.functions.iter().any(|function| {
+            let is_parameter = function.parameters.iter().any(|p| p.name == name);
+            let body = function.body.as_deref().unwrap_or(&[]);
+            is_parameter || body.iter().any(|s| self.may_change(s, name))
+        })
     }
 
     /// Whether a statement may change the variable with this name, or declares another one with it.
@@ -258,13 +293,49 @@ impl<'a, 'b> Count<'a, 'b> {
     }
 }
 
-/// The sum of bounds that are all known.
+/// The sum of bounds that are all known, at most [`MOST_TURNS`].
 fn sum(all: impl IntoIterator<Item = Option<u64>>) -> Option<u64> {
     let mut whole: u64 = 0;
     for one in all {
-        whole = whole.checked_add(one?)?;
+        whole = whole.saturating_add(one?);
     }
-    Some(whole)
+    Some(whole.min(MOST_TURNS))
+}
+
+/// Whether an integer is written in octal digits.
+fn is_octal(text: &str) -> bool {
+    let digits = text.trim_end_matches(['u', 'U']);
+    digits.len() > 1 && digits.starts_with('0') && digits.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Whether the body of a loop may end the loop.
+fn may_end(body: &[Statement]) -> bool {
+    body.iter().any(|statement| match statement {
+        Statement::Jump(jump) => *jump == "break",
+        Statement::Return(_) => true,
+        Statement::Block(all) => may_end(all),
+        Statement::If(_, one, other) => may_end(one) || may_end(other),
+        // A `break` in these ends only them.
+        Statement::For { body, .. }
+        | Statement::While(_, body)
+        | Statement::DoWhile(body, _)
+        | Statement::Switch(_, body) => may_return(body),
+        Statement::Declaration(_) | Statement::Expression(_) | Statement::Case(_) => false,
+    })
+}
+
+/// Whether statements may return from their function.
+fn may_return(all: &[Statement]) -> bool {
+    all.iter().any(|statement| match statement {
+        Statement::Return(_) => true,
+        Statement::Block(all) => may_return(all),
+        Statement::If(_, one, other) => may_return(one) || may_return(other),
+        Statement::For { body, .. }
+        | Statement::While(_, body)
+        | Statement::DoWhile(body, _)
+        | Statement::Switch(_, body) => may_return(body),
+        _ => false,
+    })
 }
 
 fn is_name(expression: &Expression, name: &str) -> bool {
