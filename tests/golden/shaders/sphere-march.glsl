@@ -52,6 +52,8 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 hit = p + t * d;
     vec3 q;
     vec3 normal;
+    vec3 metNormal = vec3(0.0);
+    bool isMirrored = false;
     // surface 1 (Sphere)
     {
         vec4 selected0 = surfaceValue0;
@@ -60,11 +62,12 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
         projectSphere(q, selected0.w, normal);
         onto = q + selected0.xyz;
         normal = normal;
-        vec3 mirrored = mirror(along, normal);
         bool isMet = object == 1.0;
         p = isMet ? onto : p;
-        d = isMet ? mirrored : d;
+        metNormal = isMet ? normal : metNormal;
+        isMirrored = isMet || isMirrored;
     }
+    d = isMirrored ? mirror(along, metNormal) : d;
 }
 
 // glsl/iterate_march.glsl

@@ -52,6 +52,7 @@ void findChords(vec3 p, vec3 d, float errorBound) {
 }
 
 // glsl/common/bound.glsl
+// glsl/common/march_fields.glsl
 // the surfaces
 float through1(float t) {
     t = t < chord1_bounds.x ? chord1_bounds.x : t;
@@ -59,11 +60,13 @@ float through1(float t) {
     return t;
 }
 
+// glsl/common/march_fields.glsl
 // the fields
-// The distance that a wave is free after its start, as the chords show: 0 if they show none.
-float freeAtStart(float last) {
+// The distance that a wave is free after its start, as the chords show: 0 if they show none. The rounding error of the
+// start is errorBound.
+float freeAtStart(float last, float errorBound) {
     float free = NO_END;
-    free = min(free, through1(0.0));
+    free = min(free, freeBy(through1(EARLY * max(errorBound, surfaceValue0.w)), EARLY * max(errorBound, surfaceValue0.w)));
     return free;
 }
 
@@ -126,9 +129,10 @@ Ahead fieldsAhead(float t, vec3 p, vec3 d, float last, float errorBound) {
 // the march of the fields
 // Returns the distance along the ray to the first hit before limit, or -1.
 float marchFields(vec3 origin, vec3 d, float last, float limit, out float object, out bool limitReached) {
+    const bool isFree = false;   // whether all steps are free, as slope and bend of every field show
     float size = largest(origin);
     findChords(origin, d, ROUNDING * size);
-    float start = freeAtStart(last);
+    float start = freeAtStart(last, ROUNDING * size);
     March march = March(0.0, 0.0, start, start);
     bool isHit = false;
     bool isBeyond = start >= limit;
@@ -149,20 +153,21 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         float near = NEAR * touch;
         bool isFirst = t <= 0.0 && i == 0;
         bool isNear = march.free < near;
-        bool isProven = isNear || march.trial <= march.free || value + march.free >= march.trial;
-        float slope = slopeOf(ahead, march, near);
+        bool isProven = isFree || isNear || march.trial <= march.free || value + march.free >= march.trial;
+        float slope = isFree ? ahead.nearest.slope : slopeOf(ahead, march, near);
         root = max(-value / min(slope, -FLATTEST), -SHALLOW * touch);
         bool touches = !isFirst && isTouch(value, slope, touch);
         bool isSolid = isProven && value < -touch && !isFirst;
-        bool isEnclosed = isSolid && march.trial <= touch;
+        bool isEnclosed = isSolid && (isFree || march.trial <= touch);
         isHit = isProven && slope < 0.0 && (touches || isEnclosed || isTangentHit(ahead, slope, root));
         float free = min(ahead.free, ahead.others);
         isBeyond = isProven && t + (isHit ? 0.0 : min(free, ahead.cell)) >= limit;
         if (isHit || isBeyond) {
             break;
         }
-        if (isProven && !isSolid) {
-            march = March(t, max(value, 0.0), max(free, 0.0), stepAhead(ahead, slope, touch));
+        if (isProven && (isFree || !isSolid)) {
+            float way = isFree ? max(min(free, ahead.cell), 0.5 * touch) : stepAhead(ahead, slope, touch);
+            march = March(t, max(value, 0.0), max(free, 0.0), way);
         } else {
             march.trial = stepBack(march, value, isSolid);
         }
@@ -172,6 +177,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
     return isHit && t < limit ? t : -1.0;
 }
 
+// glsl/common/turns_of.glsl
 // glsl/common/onto_field.glsl
 // glsl/operator/smooth_union.glsl
 // the surfaces
@@ -195,13 +201,16 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 hit = p + t * d;
     vec3 q;
     vec3 normal;
+    vec3 metNormal = vec3(0.0);
+    bool isMirrored = false;
     // surface 1 (SmoothUnion)
     if (object == 1.0) {
         p = hit;
         q = p - surfaceValue0.xyz;
         vec3 at = q;
         normal = vec3(0.0);
-        for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {
+        int sheets = turnsOf(SHEETS, largest(p));
+        for (int sheet = 0; sheet < sheets && normal == vec3(0.0); ++sheet) {
             vec4 gradient = gradient1(at);
             q = sheet == 0 ? ontoField(q, gradient) : q;
             normal = facing(gradient.xyz, along);
@@ -209,8 +218,10 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
         }
         p = q + surfaceValue0.xyz;
         normal = normal;
-        d = mirror(along, normal);
+        metNormal = normal;
+        isMirrored = true;
     }
+    d = isMirrored ? mirror(along, metNormal) : d;
 }
 
 // glsl/iterate_march.glsl
