@@ -6,8 +6,8 @@
 
 use super::accuracy::Accuracy;
 use super::figures::{Demand, Growth, Parts, Record};
+use super::from_arrivals::Traced;
 use super::late::Onset;
-use super::shared::Traced;
 use super::source_sound::Medium;
 use super::{Response, ResponseSettings, taps_of_energy};
 use crate::scene::Pair;
@@ -250,7 +250,7 @@ impl Effort {
             .iter()
             .map(|(left, _)| *left)
             .fold(f64::INFINITY, f64::min);
-        // Where the greatest growth does not fulfil the demands, another round follows.
+        // Another round follows if the greatest growth does not fulfil the demands.
         let accepted = if least <= 1.0 { 1.0 } else { SPARE * least };
         let fulfilling = steps.into_iter().filter(|(left, _)| *left <= accepted);
         let shortest = fulfilling.min_by(|(_, a), (_, b)| a.flight_s().total_cmp(&b.flight_s()));

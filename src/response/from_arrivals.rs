@@ -5,7 +5,6 @@ use super::early_part::{Caught, EarlyPart, Search};
 use super::exact_paths::EarlyPaths;
 use super::hidden::Hidden;
 use super::late::{self, Arrivals, Heard};
-use super::shared::Traced;
 use super::source_sound::Medium;
 use super::{
     Arrival, Echogram, Figures, HeardPath, Record, Response, ResponseSettings, direct, energy,
@@ -15,6 +14,17 @@ use crate::bands::{self, BAND_COUNT};
 use crate::error::Error;
 use crate::tracer::{ArrivalSettings, Settings, Tracer};
 use glam::Vec3;
+
+/// A response of a round.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Traced {
+    pub response: Response,
+    /// The arrivals in the listener's own sphere that no exact path replaces, a part of the response's echogram: the noise
+    /// of the waves of early arrivals.
+    pub in_own_sphere: Echogram,
+    /// Whether the paths of all early arrivals were searched for. Otherwise more waves of early arrivals add no paths.
+    pub is_search_complete: bool,
+}
 
 /// The start directions of all waves, computed when they are first needed.
 #[derive(Default)]

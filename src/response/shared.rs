@@ -1,9 +1,9 @@
 //! Listeners that share the waves of one source.
 
-use super::from_arrivals::{StartDirections, response};
+use super::from_arrivals::{StartDirections, Traced, response};
 use super::late::{self, Heard, LateSphere, Tally};
 use super::source_sound::Medium;
-use super::{Echogram, Response, ResponseSettings};
+use super::{Response, ResponseSettings};
 use crate::bands::BAND_COUNT;
 use crate::error::Error;
 use crate::platform::Instant;
@@ -21,17 +21,6 @@ pub(super) struct Listeners<'a> {
     all: Vec<SharedListener<'a>>,
     /// Length in seconds of the record of the tallies.
     seconds: f64,
-}
-
-/// A response of a round.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Traced {
-    pub response: Response,
-    /// The arrivals in the listener's own sphere that no exact path replaces, a part of the response's echogram: the noise
-    /// of the waves of early arrivals.
-    pub in_own_sphere: Echogram,
-    /// Whether the paths of all early arrivals were searched for. Otherwise more waves of early arrivals add no paths.
-    pub is_search_complete: bool,
 }
 
 /// A listener of a source.
@@ -206,6 +195,7 @@ mod tests {
     use super::*;
     use crate::Scene;
     use crate::gl::{Context, ContextOptions};
+    use crate::response::Echogram;
     use crate::response::late::Onset;
 
     /// A room that scatters, with a board that hides the listener's centre from some images of the source.

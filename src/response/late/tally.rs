@@ -1,6 +1,6 @@
 //! The tally of a listener: sums over the arrivals of all its waves. Further waves extend it.
 //!
-//! Where waves start evenly, the waves of a round are further waves of the rounds before: the bins of the onset hold the
+//! If waves start evenly, the waves of a round are further waves of the rounds before: the bins of the onset hold the
 //! mean over all waves, the later bins the mean over the waves that are followed to the record's end. The waves of early
 //! arrivals, which find exact paths, are extended in the same way.
 
@@ -248,7 +248,7 @@ impl Tally {
 mod tests {
     use super::*;
 
-    /// Protects the rounds of an accuracy: the waves of all rounds have different numbers, none is left out, and the
+    /// Protects the rounds of an accuracy: the waves of all rounds have different numbers without gaps, and the
     /// waves that are followed to the end never outnumber those of the onset.
     #[test]
     fn further_waves_continue_the_numbers() {
