@@ -239,10 +239,10 @@ impl Figures {
                     .each_ref()
                     .map(|of| of.noise(band, &values, arrivals))
             });
-            for figure in 0..FIGURE_COUNT {
+            for (figure, precision) in precision.iter().enumerate() {
                 let share = |part: usize| {
                     let part = noise.as_ref()?[part][figure]?;
-                    let share = (part / precision[figure].noise?).powi(2);
+                    let share = (part / precision.noise?).powi(2);
                     Some(share.min(1.0)).filter(|share| share.is_finite())
                 };
                 let [early, onset] = [0, 1].map(|part| share(part).unwrap_or(0.0));
