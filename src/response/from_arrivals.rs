@@ -121,6 +121,7 @@ pub(super) fn response(
             counts,
             waves: settings.late_trace().waves,
             onset_waves: settings.onset_waves(),
+            accuracy: None,
             milliseconds: 0.0,
             diffraction_milliseconds,
         };
@@ -177,6 +178,7 @@ pub(super) fn response(
         counts,
         waves: settings.late_trace().waves,
         onset_waves: settings.onset_waves(),
+        accuracy: None,
         milliseconds: 0.0,
         diffraction_milliseconds,
     };

@@ -153,6 +153,9 @@ pub struct Response {
     /// `waves`.
     #[serde(default)]
     pub onset_waves: u32,
+    /// The requested accuracy ([`Accuracy::share`]); `None` without one.
+    #[serde(default)]
+    pub accuracy: Option<f64>,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
     /// The part of `milliseconds` that diffraction took. It hardly depends on the number of waves. 0 without

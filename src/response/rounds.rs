@@ -46,6 +46,7 @@ pub(super) fn trace(
         let mut traced = open.trace(tracer, &of_round, next.seconds)?;
         let elapsed_s = began.elapsed().as_secs_f64();
         for traced in &mut traced {
+            traced.response.accuracy = Some(accuracy.share);
             traced.response.milliseconds = elapsed_s * 1e3;
         }
         let mut further: Vec<Option<Effort>> = match round == MOST_ROUNDS {

@@ -207,6 +207,22 @@ impl Figures {
         Some(self.factor_for(accuracy, band, figure)? <= 1.0)
     }
 
+    /// Whether the error of a reported figure exceeds this accuracy although its noise does not: more waves do not reduce
+    /// it.
+    pub(in crate::response) fn is_limited(
+        &self,
+        accuracy: f64,
+        band: usize,
+        figure: usize,
+    ) -> bool {
+        let value = self.bands[band].list()[figure];
+        let error = self.errors[band].list()[figure];
+        let exceeds =
+            |(value, error): (f64, f64)| error > Figures::tolerance(accuracy, figure, value);
+        value.zip(error).is_some_and(exceeds)
+            && self.is_accurate(accuracy, band, figure) == Some(true)
+    }
+
     fn factor_for(&self, accuracy: f64, band: usize, figure: usize) -> Option<f64> {
         let demand = self.demand(accuracy, band, figure)?;
         Some(demand.least.max(demand.noise))

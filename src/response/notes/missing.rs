@@ -128,14 +128,45 @@ impl Figures {
     /// The figures that do not have this accuracy, with their bands: `T20 and T30 at 63 Hz; G in all bands`.
     #[doc(hidden)]
     pub fn inaccurate(&self, accuracy: f64) -> String {
-        let names = ALL_FIGURES.iter().enumerate();
-        let open = names.filter_map(|(figure, (name, _))| {
-            let open: [bool; BAND_COUNT] =
-                std::array::from_fn(|band| self.is_accurate(accuracy, band, figure) == Some(false));
-            open.contains(&true).then_some((*name, open, String::new()))
-        });
-        grouped(open).join("; ")
+        listed_where(|band, figure| self.is_accurate(accuracy, band, figure) == Some(false))
     }
+}
+
+/// Why figures do not have the requested accuracy.
+pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
+    let (Some(accuracy), figures) = (response.accuracy, &response.figures) else {
+        return Vec::new();
+    };
+    let percent = (1e4 * accuracy).round() / 100.0;
+    let mut texts = Vec::new();
+    // Other notes are about figures that no number of waves gives.
+    let open = listed_where(|band, figure| {
+        let factor = figures.waves_to_report(band, figure);
+        figures.is_accurate(accuracy, band, figure) == Some(false)
+            && factor.is_none_or(f64::is_finite)
+    });
+    if !open.is_empty() {
+        texts.push(format!(
+            "the accuracy of {percent} % is not reached, because a limit of waves or time ended the rounds: {open}"
+        ));
+    }
+    let limited = listed_where(|band, figure| figures.is_limited(accuracy, band, figure));
+    if !limited.is_empty() {
+        texts.push(format!(
+            "± is above the accuracy of {percent} %, because the error is not noise, and more waves do not reduce it: {limited}"
+        ));
+    }
+    texts
+}
+
+/// The figures for which `is_listed` holds, by index of the band and of the figure, with their bands.
+fn listed_where(is_listed: impl Fn(usize, usize) -> bool) -> String {
+    let names = ALL_FIGURES.iter().enumerate();
+    let listed = names.filter_map(|(figure, (name, _))| {
+        let of: [bool; BAND_COUNT] = std::array::from_fn(|band| is_listed(band, figure));
+        of.contains(&true).then_some((*name, of, String::new()))
+    });
+    grouped(listed).join("; ")
 }
 
 /// A figure of a frequency band.

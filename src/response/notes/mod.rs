@@ -63,6 +63,7 @@ impl Response {
         let mut notes = self.lost_waves();
         notes.extend(self.inexact_paths(pair).into_iter().map(Note::new));
         notes.extend(missing::reasons(scene, self).into_iter().map(Note::new));
+        notes.extend(missing::of_accuracy(self).into_iter().map(Note::new));
         notes.extend(flutter::sentences(scene, self).into_iter().map(Note::new));
         notes
     }
