@@ -399,6 +399,17 @@ mod tests {
         }
     }
 
+    /// Protects responses that were saved before paths stated the energy of their samples: it is that of the paths.
+    #[test]
+    fn a_saved_path_without_samples_has_those_of_its_energy() {
+        let mut saved = serde_json::to_value(path(2.0)).expect("JSON");
+        let fields = saved.as_object_mut().expect("an object");
+        assert!(fields.remove("in_samples").is_some());
+        let read: HeardPath = serde_json::from_value(saved).expect("a path");
+        assert_eq!(read, path(2.0));
+        assert_eq!(read.tap().energy, read.energy);
+    }
+
     fn bent(reflection: usize, energy: f64) -> Bent {
         Bent {
             reflection,
