@@ -23,7 +23,8 @@ pub struct DirectWay {
     pub is_in_sight: bool,
     /// Seconds from the source to the listener.
     pub delay_s: f64,
-    /// Unit vector of the world towards the origin of the sound. If the source is hidden, the mean of its paths by energy.
+    /// Unit vector of the world towards the origin of the sound. If the source is hidden, the mean of all paths by energy:
+    /// those around the obstacle and that through it.
     pub from: Vec3,
 }
 
