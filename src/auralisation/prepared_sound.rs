@@ -5,10 +5,9 @@ use super::delay_line::REACH;
 use super::{CHANNELS, Spec};
 use crate::bands::{self, BAND_COUNT};
 use crate::response::{
-    Encoding, Format, HeardPath, ImpulseResponse, ImpulseSettings, ListenerAxes, Response,
+    self, Encoding, Format, HeardPath, ImpulseResponse, ImpulseSettings, ListenerAxes, Response,
     ResponseError, Tap, amplitude, check_taps,
 };
-use crate::sampling::hash;
 
 /// One of the strongest paths, as an echo.
 #[derive(Clone, Copy, Debug)]
@@ -110,17 +109,12 @@ impl Heard {
         spec.validate()?;
         let taps: Vec<Tap> = paths.iter().map(HeardPath::tap).collect();
         check_taps(&taps)?;
-        let mut echoes: Vec<Echo> = Vec::new();
-        for path in strongest(paths, spec) {
-            let mut key = path.key(u64::from);
-            // Another path over the same surfaces already has this key.
-            while echoes.iter().any(|echo| echo.key == key) {
-                key = hash(key);
-            }
-            echoes.push(Echo::new(&path.tap(), key, axes, spec));
-        }
+        let (near, _) = by_energy(paths, spec);
+        let keys = response::keys(&near, u64::from);
+        let echo = |(path, key): (&&HeardPath, u64)| Echo::new(&path.tap(), key, axes, spec);
+        let strongest = near.iter().zip(keys).take(Heard::MOST_ECHOES);
         Ok(Heard {
-            echoes,
+            echoes: strongest.map(echo).collect(),
             late: None,
             spec: Some(spec),
         })
@@ -168,11 +162,6 @@ fn by_energy(paths: &[HeardPath], spec: Spec) -> (Vec<&HeardPath>, Vec<&HeardPat
         .partition(|path| path.delay_s <= spec.longest_s);
     near.sort_by(|a, b| bands::mean(&b.energy).total_cmp(&bands::mean(&a.energy)));
     (near, far)
-}
-
-fn strongest(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
-    let (near, _) = by_energy(paths, spec);
-    near.into_iter().take(Heard::MOST_ECHOES)
 }
 
 fn faint(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {

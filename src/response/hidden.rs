@@ -220,10 +220,21 @@ impl<'a> Obstacles<'a> {
         };
         let (exact, speed) = (self.early.exact(), self.medium.speed);
         let paths = diffraction::around(exact, ends, speed, self.faces());
-        let paths = paths.into_iter().map(Path::from);
+        self.heard_together(paths.into_iter().map(Path::from))
+    }
+
+    /// The sound along paths around the same obstacle. Their samples interfere with the amplitudes at the listener, after
+    /// the source's directivity and the loss in the air.
+    fn heard_together(&self, paths: impl Iterator<Item = Path>) -> Vec<HeardPath> {
+        let paths = paths.map(|path| path.heard(self.pair, self.medium));
+        let mut paths: Vec<HeardPath> = paths.collect();
+        let ways = paths.iter().map(|path| (path.energy, path.path.length_m));
+        let ways: Vec<(Bands, f64)> = ways.collect();
+        let in_samples = diffraction::in_samples(self.medium.speed, &ways);
+        for path in &mut paths {
+            path.in_samples = in_samples;
+        }
         paths
-            .map(|path| path.heard(self.pair, self.medium))
-            .collect()
     }
 
     /// The paths around the obstacles that hide these reflections at plane faces, for those with the shortest ways.
@@ -240,12 +251,13 @@ impl<'a> Obstacles<'a> {
             let paths =
                 diffraction::around_mirrored(exact, mirror(vertex), ends, speed, self.faces());
             let wall = self.wall(vertex);
-            let paths = paths
-                .into_iter()
-                .map(|path| Path::reflected(path, self.pair.scene, wall));
-            let paths: Vec<HeardPath> = paths
-                .map(|path| path.heard(self.pair, self.medium))
-                .collect();
+            // The ways with one reflection and those with two share different energies.
+            let groups = paths.chunk_by(|a, b| a.reflections.len() == b.reflections.len());
+            let heard = groups.flat_map(|group| {
+                let paths = group.iter().cloned();
+                self.heard_together(paths.map(|path| Path::reflected(path, self.pair.scene, wall)))
+            });
+            let paths: Vec<HeardPath> = heard.collect();
             (!paths.is_empty()).then_some(Bent { reflection, paths })
         };
         nearest.into_par_iter().filter_map(bent).collect()
@@ -348,6 +360,54 @@ mod tests {
             ..straight.expect("two points")
         };
         path.heard(pair, &medium)
+    }
+
+    /// The paths around a pillar to a listener beside its axis, so that the detours differ by half a wavelength of 1 kHz.
+    fn paths_around_pillar(directivity: &str) -> Vec<HeardPath> {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Cylinder(radius: 0.5, height: 500))], \
+             source: Source(position: (0, 0, 3), {directivity}), \
+             listener: Listener(position: (0.4, 0, -2.5), radius: 0.05))"
+        );
+        let scene = Scene::from_ron(&text, "test").expect("a scene");
+        let (paths, _) = diffracted(&scene).expect("paths");
+        assert_eq!(paths.len(), 2);
+        paths
+    }
+
+    /// Protects the samples of a cardioid that radiates nothing to one side of a pillar: the other side interferes with
+    /// nothing, and its samples have the energy of its path.
+    #[test]
+    fn samples_of_the_only_way_that_a_source_radiates_to_have_its_energy() {
+        let both = paths_around_pillar("");
+        let most = both[0].in_samples.into_iter().fold(0.0, f64::max);
+        assert!(most > 1.5, "{most}");
+        for path in both {
+            let silent = path.path.departure;
+            let yaw = (-silent.x).atan2(silent.z).to_degrees();
+            let paths = paths_around_pillar(&format!("directivity: Cardioid, yaw: {yaw}"));
+            let is_silent = |path: &&HeardPath| path.path.departure.distance(silent) < 1e-6;
+            let [of_silent, of_other] = [true, false].map(|silent| {
+                let mut own = paths.iter().filter(|path| is_silent(path) == silent);
+                own.next().expect("a path")
+            });
+            for band in 0..BAND_COUNT {
+                assert!(of_silent.energy[band] < 1e-6 * of_other.energy[band]);
+                let factor = of_other.in_samples[band];
+                assert!((factor - 1.0).abs() < 0.01, "band {band}: {factor}");
+            }
+        }
+    }
+
+    /// Protects responses that were saved before paths stated the energy of their samples: it is that of the paths.
+    #[test]
+    fn a_saved_path_without_samples_has_those_of_its_energy() {
+        let mut saved = serde_json::to_value(path(2.0)).expect("JSON");
+        let fields = saved.as_object_mut().expect("an object");
+        assert!(fields.remove("in_samples").is_some());
+        let read: HeardPath = serde_json::from_value(saved).expect("a path");
+        assert_eq!(read, path(2.0));
+        assert_eq!(read.tap().energy, read.energy);
     }
 
     fn bent(reflection: usize, energy: f64) -> Bent {

@@ -51,6 +51,7 @@ mod from_arrivals;
 mod heard_source;
 mod hidden;
 mod impulse_response;
+mod keys;
 mod late;
 mod least_level;
 mod notes;
@@ -83,6 +84,7 @@ pub use impulse_response::{
     AmbisonicOrder, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
 };
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
+pub(crate) use keys::keys;
 pub use notes::Note;
 #[doc(hidden)]
 pub use rounds::Round;

@@ -27,8 +27,6 @@ pub(super) struct Path {
     pub arrival_direction: DVec3,
     /// Energy density at the listener by band, in 1/m².
     pub energy: Bands,
-    /// Energy of its samples in an impulse response, as a multiple of `energy`.
-    pub in_samples: Bands,
     pub errors_db: Bands,
 }
 
@@ -44,7 +42,6 @@ impl From<DiffractedPath> for Path {
             departure: path.departure,
             arrival_direction: path.arrival_direction,
             energy: path.energy,
-            in_samples: path.in_samples,
             errors_db: path.errors_db,
         }
     }
@@ -65,7 +62,6 @@ impl Path {
             departure: direction,
             arrival_direction: direction,
             energy: [spreading(length_m); BAND_COUNT],
-            in_samples: [1.0; BAND_COUNT],
             errors_db: [0.0; BAND_COUNT],
         })
     }
@@ -104,7 +100,7 @@ impl Path {
             },
             delay_s: length_m / medium.speed,
             energy: bands::through_air(&emitted, &medium.air, length_m),
-            in_samples: self.in_samples,
+            in_samples: [1.0; BAND_COUNT],
             errors_db: self.errors_db,
             azimuth,
             elevation,

@@ -195,8 +195,8 @@ impl HeardPath {
     }
 
     /// A number that stays the same over time for a path over the same surfaces and walls: a hash of them. `bits` is a
-    /// number for each surface.
-    pub(crate) fn key(&self, bits: impl Fn(u32) -> u64) -> u64 {
+    /// number for each surface. Several paths may have it: see `keys.rs`.
+    pub(super) fn key(&self, bits: impl Fn(u32) -> u64) -> u64 {
         let mirrors = self.path.surfaces.iter().zip(&self.path.walls);
         mirrors.fold(0, |key, (surface, wall)| {
             let wall = wall.map_or(0, |wall| u64::from(wall) + 1);

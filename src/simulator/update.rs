@@ -4,9 +4,9 @@ use super::SourceId;
 use super::hall::Hall;
 use super::reverb::{DecayRecord, Reverb};
 use crate::bands::{self, Bands};
-use crate::response::{HeardPath, PathKind, Response, Tap, amplitude};
+use crate::response::{self, HeardPath, PathKind, Response, Tap, amplitude};
 use glam::{DVec3, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The direct way of a source: straight, or around and through what is in between.
@@ -23,7 +23,8 @@ pub struct DirectWay {
     pub is_in_sight: bool,
     /// Seconds from the source to the listener.
     pub delay_s: f64,
-    /// Unit vector of the world towards the origin of the sound. If the source is hidden, the mean of its paths by energy.
+    /// Unit vector of the world towards the origin of the sound. If the source is hidden, the mean of all paths by energy:
+    /// those around the obstacle and that through it.
     pub from: Vec3,
 }
 
@@ -146,22 +147,16 @@ impl Surroundings {
         let taps: Vec<Tap> = paths.iter().map(|path| path.tap_of_energy()).collect();
         let level = |path: &HeardPath| bands::mean(&path.energy);
         paths.sort_by(|a, b| level(b).total_cmp(&level(a)));
+        // Computed for all paths, so that the keys do not depend on the number of echoes that are kept.
+        let keys = response::keys(&paths, |surface| hall.surface_bits(surface));
         let (kept, rest) = paths.split_at(most.min(paths.len()));
-        let mut keys = HashSet::new();
-        let mut echo = |path: &&HeardPath| {
-            let mut key = path.key(|surface| hall.surface_bits(surface));
-            // Another path over the same surfaces has this key.
-            while !keys.insert(key) {
-                key = crate::sampling::hash(key);
-            }
-            EarlyEcho {
-                key,
-                gain: path.tap().energy.map(amplitude),
-                delay_s: path.delay_s,
-                from: from(path),
-            }
+        let echo = |(path, key): (&&HeardPath, u64)| EarlyEcho {
+            key,
+            gain: path.tap().energy.map(amplitude),
+            delay_s: path.delay_s,
+            from: from(path),
         };
-        let mut echoes: Vec<EarlyEcho> = kept.iter().map(&mut echo).collect();
+        let mut echoes: Vec<EarlyEcho> = kept.iter().zip(keys).map(echo).collect();
         echoes.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
         let bins = 0..response.echogram.bins();
         let late: DVec3 = bins.flat_map(|bin| response.echogram.flow(bin)).sum();

@@ -283,7 +283,8 @@ impl Heard {
         self.response.echogram.bin_s()
     }
 
-    /// The exact paths: one tuple for each path.
+    /// The exact paths: one tuple for each path. Samples come from `ir`: those of paths around the same obstacle interfere,
+    /// and have another energy.
     #[expect(clippy::type_complexity, reason = "the package gives the tuples names")]
     fn paths(
         &self,

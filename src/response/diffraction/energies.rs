@@ -8,9 +8,6 @@
 //! At the boundary of the shadow the shortest way becomes the direct sound, which has the whole energy. The other ways
 //! therefore lose their shares to it there: with the least detour δ₀, a way with the detour δ counts by the factor
 //! (δ₀/δ)^(1/(1 + kδ₀)), which is 1 for equal detours, and deep in the shadow for all.
-//!
-//! The samples of the ways interfere in an impulse response by their delays, while the energies contain this
-//! interference already. A common factor takes it out of the samples.
 
 use super::DiffractedPath;
 use super::bend::Bend;
@@ -19,14 +16,6 @@ use super::space::Space;
 use super::ways::{Way, Ways};
 use crate::bands::{BAND_COUNT, Bands};
 use std::f64::consts::PI;
-
-/// The energies by band of bends around the same obstacle.
-struct Energies {
-    /// Energy density at the listener of each bend, in 1/m² for a source of power 1.
-    of_bends: Vec<Bands>,
-    /// Energy of their samples in an impulse response, as a multiple of these energies.
-    in_samples: Bands,
-}
 
 impl Ways {
     /// The paths along the ways; `coefficients` are the pressure reflection coefficients of a surface, by its number and
@@ -42,39 +31,32 @@ impl Ways {
         let path = |(bend, energy): (&&Bend, &Bands)| {
             let mut path = DiffractedPath::along(bend, space)?;
             path.energy = *energy;
-            path.in_samples = energies.in_samples;
             path.errors_db = self.errors_db();
             Some(path)
         };
-        let paths = heard.iter().zip(&energies.of_bends);
+        let paths = heard.iter().zip(&energies);
         paths.filter_map(path).collect()
     }
 
-    /// The energies add up to the energy of the sum of the pressures.
+    /// Energy density at the listener of each bend by band, in 1/m² for a source of power 1. The energies add up to the
+    /// energy of the sum of the pressures.
     fn energies(
         &self,
         space: &impl Space,
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
         heard: &[&Bend],
-    ) -> Energies {
+    ) -> Vec<Bands> {
         let faces = self.faces(space, coefficients);
         let mut of_bends = vec![[0.0; BAND_COUNT]; heard.len()];
-        let mut in_samples = [1.0; BAND_COUNT];
         for band in 0..BAND_COUNT {
             let faces = Ways::in_band(&faces, band);
             let own = self.energies_in_band(space, (speed, band), &faces, heard);
             for (energies, energy) in of_bends.iter_mut().zip(&own) {
                 energies[band] = energy / (4.0 * PI * self.apart_m * self.apart_m);
             }
-            let lengths = heard.iter().map(|bend| bend.length_m);
-            let ways: Vec<(f64, f64)> = own.into_iter().zip(lengths).collect();
-            in_samples[band] = 1.0 / interference::of_samples(band, speed, &ways);
         }
-        Energies {
-            of_bends,
-            in_samples,
-        }
+        of_bends
     }
 
     /// The energies of the bends in a band, relative to the open at the straight way.

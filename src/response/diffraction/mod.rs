@@ -50,6 +50,7 @@ use crate::geometry::ExactScene;
 use bend::Bend;
 use glam::DVec3;
 use interference::band_mean;
+pub(super) use interference::in_samples;
 use lit::Lit;
 pub(super) use mirrored::Mirror;
 use mirrored::MirroredSpace;
@@ -80,8 +81,6 @@ pub(super) struct DiffractedPath {
     /// Energy density at the listener by band, in 1/m² for a source of power 1, without the losses in the air and at
     /// reflections.
     pub energy: Bands,
-    /// Energy of its samples in an impulse response, as a multiple of `energy`, by band: see `energies.rs`.
-    pub in_samples: Bands,
     /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energies.
     pub errors_db: Bands,
 }
@@ -232,7 +231,6 @@ impl DiffractedPath {
             departure: (bend.points[1] - bend.points[0]).try_normalize()?,
             arrival_direction: (bend.points[last] - bend.points[last - 1]).try_normalize()?,
             energy: [0.0; BAND_COUNT],
-            in_samples: [1.0; BAND_COUNT],
             errors_db: [0.0; BAND_COUNT],
         })
     }

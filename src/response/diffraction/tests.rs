@@ -2,7 +2,7 @@
 
 use super::space::Space;
 use super::string::HalfPlanes;
-use super::ways::Ways;
+use super::ways::{Way, Ways};
 use super::wedge::{Wedge, shadow_function};
 use super::{Ends, around, intercepted};
 use crate::Scene;
@@ -204,8 +204,7 @@ fn energies_over_edges_that_cross_are_numbers() {
     let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
     assert!(!paths.is_empty());
     for path in paths {
-        let energies = path.energy.into_iter().chain(path.in_samples);
-        for energy in energies {
+        for energy in path.energy {
             assert!(energy.is_finite() && energy > 0.0, "{path:?}");
         }
     }
@@ -260,5 +259,26 @@ fn levels_behind_a_thin_wall_change_slowly() {
             let step_db = 10.0 * (after / before).log10();
             assert!(step_db.abs() < 0.05, "{step_db} dB");
         }
+    }
+}
+
+/// Protects the choice of ways on one side of a ball, as of those that are reflected at a mirror: each side is kept or left
+/// out on its own, whichever is shorter, and has a sound.
+#[test]
+fn ways_around_a_ball_are_kept_by_side() {
+    let ends = (DVec3::new(-3.0, 0.1, 0.0), DVec3::new(2.5, 0.1, 0.0));
+    let exact = exact("Surface(shape: Sphere(radius: 1))", ends);
+    let planes = HalfPlanes::between(ends.0, ends.1).expect("two points");
+    for side in [1.0, -1.0] {
+        let mut ways = Ways::around(&exact, &planes);
+        assert_eq!(ways.bends.iter().flat_map(Way::heard).count(), 2);
+        ways.retain(|point| side * point.y > 0.0);
+        let heard: Vec<_> = ways.bends.iter().flat_map(Way::heard).collect();
+        assert_eq!(heard.len(), 1, "side {side}");
+        assert!(side * heard[0].turns[0].middle.y > 0.0);
+        let sounds = ways.sounds(&exact, 10.0, &ways.rigid());
+        assert_eq!(sounds.len(), 1);
+        assert_eq!(sounds[0].length_m, heard[0].length_m);
+        assert!(sounds[0].pressure.norm() > 0.0);
     }
 }

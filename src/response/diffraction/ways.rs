@@ -12,7 +12,6 @@ use super::wedge::behind_screen;
 use crate::bands::{BAND_COUNT, Bands};
 use glam::DVec3;
 use num_complex::Complex64;
-use std::iter;
 
 /// Phase in radians between the longest string around a closed obstacle and the straight line at which the factors of the
 /// ways count half: a narrower obstacle disturbs the front as a thin screen does. The same for the longer way around an
@@ -52,6 +51,8 @@ pub(super) struct Way {
     pub bend: Bend,
     /// The way around the other side, where the strings of all half-planes belong to this way.
     pub opposite: Option<Opposite>,
+    /// Whether the way, and that around the other side, are heard.
+    are_heard: [bool; 2],
     /// Detours of the half-planes that become longer from its own on.
     own: Vec<Samples>,
     /// Detours over the lines of its edges.
@@ -140,10 +141,14 @@ impl Ways {
         touched.map(|way| way.bend.outwards())
     }
 
-    /// Keeps only the ways and edges with a point that satisfies the condition.
+    /// Keeps only the bends and edges with a point that satisfies the condition.
     pub fn retain(&mut self, is_kept: impl Fn(DVec3) -> bool) {
-        let is_on = |way: &Way| way.bend.turns.iter().any(|turn| is_kept(turn.middle));
-        self.bends.retain(is_on);
+        let is_on = |bend: &Bend| bend.turns.iter().any(|turn| is_kept(turn.middle));
+        for way in &mut self.bends {
+            let on = way.sides().map(|bend| bend.is_some_and(is_on));
+            way.are_heard = on;
+        }
+        self.bends.retain(|way| way.heard().next().is_some());
         self.rims.retain(|rim| is_kept(rim.point()));
     }
 
@@ -168,16 +173,19 @@ impl Ways {
         faces.iter().map(of_one).collect()
     }
 
-    /// The sounds of the ways, each with that around its other side, followed by the sounds of the other edges, relative to the open, for the wave number `k`.
-    /// `faces` has the pressure reflection coefficients in the same order: at the turns of each way, and at each edge.
+    /// The sounds of the bends that are heard, followed by those of the edges beside the ways, relative to the open, for
+    /// the wave number `k`. `faces` has the pressure reflection coefficients at the turns of each way, and at each edge.
     pub fn sounds(&self, space: &impl Space, k: f64, faces: &[Vec<f64>]) -> Vec<Sound> {
         let (of_bends, of_rims) = faces.split_at(self.bends.len());
         let ways = self.bends.iter().zip(of_bends).flat_map(|(way, faces)| {
             let pressures = way.pressures(space, k, faces, self.apart_m);
-            let sounds = way.heard().zip(pressures.unwrap_or_default());
-            sounds.map(|(bend, pressure)| Sound {
-                pressure,
-                length_m: bend.length_m,
+            let sides = way.sides().into_iter().zip(way.are_heard);
+            let sounds = sides.zip(pressures.unwrap_or_default());
+            sounds.filter_map(|((bend, is_heard), pressure)| {
+                Some(Sound {
+                    pressure,
+                    length_m: bend.filter(|_| is_heard)?.length_m,
+                })
             })
         });
         let rims = self.rims.iter().zip(of_rims.iter().flatten());
@@ -261,6 +269,7 @@ impl Way {
             tube_growth_m: edge_growth_m * width * spread,
             closed,
             opposite: None,
+            are_heard: [true; 2],
             bend,
         }
     }
@@ -307,9 +316,15 @@ impl Way {
     }
 
     /// The way, and that around the other side.
-    pub fn heard(&self) -> impl Iterator<Item = &Bend> {
+    fn sides(&self) -> [Option<&Bend>; 2] {
         let opposite = self.opposite.as_ref().map(|opposite| &opposite.bend);
-        iter::once(&self.bend).chain(opposite)
+        [Some(&self.bend), opposite]
+    }
+
+    /// The bends of the way that are heard.
+    pub fn heard(&self) -> impl Iterator<Item = &Bend> {
+        let sides = self.sides().into_iter().zip(self.are_heard);
+        sides.filter_map(|(bend, is_heard)| bend.filter(|_| is_heard))
     }
 
     /// Pressures at the listener for the wave number `k`, relative to the open at the straight way: along the way, and

@@ -313,7 +313,8 @@ class Response:
             ``delay_s`` after the source's impulse; ``length_m``; ``g_db``, strength *G* of the mean energy of all
             bands; ``energy`` (8 bands, 1/m²); ``error_db`` (8 bands, of diffracted paths); ``direction`` of flight at
             the listener, in the axes of the scene; ``azimuth_deg`` to the right of the view, ``elevation_deg``;
-            ``is_focus``.
+            ``is_focus``. Take samples from `ir`: those of paths around the same obstacle interfere, and have another
+            energy.
         """
         found = self._heard.paths()
         table = np.zeros(len(found), _PATHS_DTYPE)

@@ -133,7 +133,8 @@ impl Bend {
         };
         let radius = face_distance_m(k, way_lengths(&points, index), shorter_leg(&points, index));
         let wedge = wedge_at(space, &points, index, &edge, (self.outwards, radius))?;
-        // Edges that cross each other have no common one.
+        // Edges that cross each other, as two at a corner, do not merge: the faces about their mean direction enclose no
+        // solid.
         (wedge.air_angle > PI).then(|| wedge.behind(k, face))
     }
 
