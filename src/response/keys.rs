@@ -1,7 +1,7 @@
 //! Keys of paths, by which a player recognises a path from one moment to the next.
 //!
 //! A path keeps its key while it leads over the same surfaces. The ways around both sides of a pillar lead over the same
-//! one. Their levels do not tell them apart: across the axis the other becomes the louder one. The side on which each
+//! one. Their levels do not distinguish them, because another way is the loudest beyond the axis. The side on which each
 //! passes does: the difference between its directions at the listener and at the source points into the pillar.
 
 use super::source_sound::{HeardPath, PathKind};
@@ -16,8 +16,8 @@ const FIRST_SIDE: f64 = -0.75 * PI;
 
 /// A key for each path, all different. `bits` is a number for each surface.
 ///
-/// Among other paths over the same surfaces, the first has the key of the surfaces. A diffracted path has it only if there
-/// is no other.
+/// The key of the surfaces belongs to the first path over them that is not diffracted. A diffracted path has this key
+/// only if it is the only one over its surfaces.
 pub(crate) fn keys(paths: &[&HeardPath], bits: impl Fn(u32) -> u64) -> Vec<u64> {
     let mut keys: Vec<u64> = paths.iter().map(|path| path.key(&bits)).collect();
     let mut diffracted: BTreeMap<u64, Vec<usize>> = BTreeMap::new();

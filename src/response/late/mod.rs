@@ -99,6 +99,8 @@ pub(super) fn tallies(
     tallies.iter_mut().for_each(|tally| tally.begin(&further));
     let solids = transmission::solids(first.pair, settings)?;
     let mut added = Added::none(&tallies);
+    let wide = |one: &Heard| one.late.detector(one.pair.listener);
+    let detectors: Vec<Detector> = heard.iter().map(wide).collect();
     for (group, bands) in shader::band_groups(first.pair.scene)
         .into_iter()
         .enumerate()
@@ -113,8 +115,6 @@ pub(super) fn tallies(
             how.iterations_in_chunk = early::chunk(heard, &tallies, group, &how);
         }
         let mut early = vec![Vec::new(); heard.len()];
-        let wide = |one: &Heard| one.late.detector(one.pair.listener);
-        let detectors: Vec<Detector> = heard.iter().map(wide).collect();
         let mut late = LateWaves {
             tracer,
             heard,

@@ -92,7 +92,7 @@ impl<'a, 'b> Count<'a, 'b> {
                 step: Some(step),
                 body,
             } => {
-                let count = match may_end(body) {
+                let count = match may_end(body, true) {
                     true => self.count(first, condition, step, body)?.min(ENDED_TURNS),
                     false => self.count(first, condition, step, body)?,
                 };
@@ -308,33 +308,19 @@ fn is_octal(text: &str) -> bool {
     digits.len() > 1 && digits.starts_with('0') && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Whether the body of a loop may end the loop.
-fn may_end(body: &[Statement]) -> bool {
-    body.iter().any(|statement| match statement {
-        Statement::Jump(jump) => *jump == "break",
+/// Whether statements may return from their function or, if `by_break` holds, end the loop around them.
+fn may_end(all: &[Statement], by_break: bool) -> bool {
+    all.iter().any(|statement| match statement {
+        Statement::Jump(jump) => by_break && *jump == "break",
         Statement::Return(_) => true,
-        Statement::Block(all) => may_end(all),
-        Statement::If(_, one, other) => may_end(one) || may_end(other),
+        Statement::Block(all) => may_end(all, by_break),
+        Statement::If(_, one, other) => may_end(one, by_break) || may_end(other, by_break),
         // A `break` in these ends only them.
         Statement::For { body, .. }
         | Statement::While(_, body)
         | Statement::DoWhile(body, _)
-        | Statement::Switch(_, body) => may_return(body),
+        | Statement::Switch(_, body) => may_end(body, false),
         Statement::Declaration(_) | Statement::Expression(_) | Statement::Case(_) => false,
-    })
-}
-
-/// Whether statements may return from their function.
-fn may_return(all: &[Statement]) -> bool {
-    all.iter().any(|statement| match statement {
-        Statement::Return(_) => true,
-        Statement::Block(all) => may_return(all),
-        Statement::If(_, one, other) => may_return(one) || may_return(other),
-        Statement::For { body, .. }
-        | Statement::While(_, body)
-        | Statement::DoWhile(body, _)
-        | Statement::Switch(_, body) => may_return(body),
-        _ => false,
     })
 }
 
