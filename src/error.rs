@@ -53,7 +53,7 @@ pub enum Error {
     #[cfg(feature = "audio")]
     #[error(transparent)]
     Live(#[from] LiveError),
-    /// A SOFA file whose head-related impulse responses cannot be read.
+    /// A SOFA file that cannot be read or written.
     #[cfg(feature = "sofa")]
     #[error(transparent)]
     Sofa(#[from] SofaError),
@@ -90,7 +90,7 @@ impl Error {
             #[cfg(feature = "audio")]
             Error::Live(error) => error.is_bad_input(),
             #[cfg(feature = "sofa")]
-            Error::Sofa(_) => true,
+            Error::Sofa(error) => error.is_bad_input(),
             #[cfg(feature = "picture")]
             Error::Picture(error) => error.is_bad_input(),
         }

@@ -56,7 +56,7 @@
 //! | --- | --- |
 //! | `audio` | live output through a sound card, in [`audio`] |
 //! | `picture` | pictures and plans of scenes as PNG |
-//! | `sofa` | head-related impulse responses and directivities from SOFA files |
+//! | `sofa` | head-related impulse responses and directivities from SOFA files, impulse responses as SOFA files |
 //! | `window` | contexts of windows on X11 and Wayland, for the program's own window |
 //!
 //! The program, its experiments and studies, and its window are separate packages, under `apps/`.

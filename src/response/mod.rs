@@ -56,6 +56,8 @@ mod late;
 mod least_level;
 mod notes;
 mod omnidirectional_path;
+#[cfg(feature = "sofa")]
+mod room_sofa;
 mod rounds;
 mod settings;
 mod shared;
@@ -86,6 +88,8 @@ pub use impulse_response::{
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub(crate) use keys::keys;
 pub use notes::Note;
+#[cfg(feature = "sofa")]
+pub use room_sofa::RoomMeasurement;
 #[doc(hidden)]
 pub use rounds::Round;
 pub use settings::ResponseSettings;

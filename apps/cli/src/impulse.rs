@@ -25,7 +25,7 @@ use echomarch::scene::Pair;
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
 use file_names::FileNames;
 use pairs::NamedPair;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const EXAMPLES: &str = "\
@@ -34,6 +34,7 @@ Examples:
   echomarch impulse hall.ron --accuracy 0.5% --time-limit 60
   echomarch impulse hall.ron -o ir.wav --waves 262144
   echomarch impulse hall.ron -o ir.wav --format ambisonic --ambisonic-order 3
+  echomarch impulse hall.ron -o hall.sofa             all pairs in one file (AES69)
   echomarch impulse hall.ron -o ir.wav --format binaural --sofa head.sofa
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --csv figures.csv        all figures with their errors, by pair and band
@@ -48,12 +49,13 @@ const SHORTEST_S: f64 = 1e-3;
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneAtTime,
-    /// Write the impulse response as a WAV file of 32-bit floats. The first sample is the time of the source's impulse,
-    /// and amplitude 1 is the direct sound at 1 m. Coincident echoes add by amplitude in this file, and by energy in
-    /// the figures. If there are several pairs, each has a file of its own: FILE-SOURCE-LISTENER.wav
-    #[arg(short, long, value_name = "FILE.wav")]
+    /// Write the impulse response as a WAV file of 32-bit floats, or as a SOFA file (AES69, convention SingleRoomSRIR).
+    /// The first sample is the time of the source's impulse, and amplitude 1 is the direct sound at 1 m. Coincident
+    /// echoes add by amplitude in this file, and by energy in the figures. A SOFA file has all pairs; if there are
+    /// several, each has a WAV file of its own: FILE-SOURCE-LISTENER.wav
+    #[arg(short, long, value_name = "FILE.wav|FILE.sofa")]
     output: Option<PathBuf>,
-    /// Channels of the WAV file: mono, stereo, ambisonic (ACN, SN3D), or binaural (two ears, needs --sofa)
+    /// Channels of the file: mono, stereo, ambisonic (ACN, SN3D), or binaural (two ears, needs --sofa)
     #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
     format: FormatOption,
     /// Order of --format ambisonic, 1 to 7: (order + 1)² channels [default: 1]
@@ -63,7 +65,7 @@ pub struct Arguments {
     /// SimpleFreeFieldHRIR
     #[arg(long, value_name = "FILE.sofa", requires = "output")]
     sofa: Option<PathBuf>,
-    /// Sample rate of the WAV file, in hertz
+    /// Sample rate of the file, in hertz
     #[arg(long, allow_negative_numbers = true, default_value_t = Sound::SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
@@ -106,7 +108,7 @@ pub struct Arguments {
     directions: Directions,
 }
 
-/// The channels of the WAV file.
+/// The channels of the file.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum FormatOption {
     Mono,
@@ -140,10 +142,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let responses = Response::trace_pairs_observed(&mut tracer, &traced, &settings, &mut observe)?;
     let heard: Vec<(NamedPair, Response)> = pairs.into_iter().zip(responses).collect();
     for (index, (pair, response)) in heard.iter().enumerate() {
-        files::write(arguments, &format, pair, response, |given| {
-            names.file(given, index)
-        })?;
+        files::write(arguments, pair, response, |given| names.file(given, index))?;
     }
+    files::write_impulses(arguments, &format, &heard, &names)?;
     bar.finish_and_clear();
     if let Some(file) = &arguments.csv {
         write_whole(file, |out| files::write_figures(&heard, out))?;
@@ -173,8 +174,8 @@ impl Arguments {
         Ok(settings)
     }
 
-    /// The format of the WAV file. For binaural output it includes the responses of the SOFA file at the sample rate of
-    /// the WAV file.
+    /// The format of the file. For binaural output it includes the responses of the head's SOFA file at the sample rate
+    /// of the output.
     fn format(&self) -> anyhow::Result<Format> {
         Ok(match self.format {
             FormatOption::Mono => Format::Mono,
@@ -198,8 +199,13 @@ impl Arguments {
     }
 
     fn check(&self) -> anyhow::Result<()> {
+        if let Some(file) = self.output.as_deref().filter(|file| !is_sofa(file)) {
+            check_ending(file, "wav").map_err(|_| {
+                let why = format!("{}: the name must end in .wav or .sofa", file.display());
+                BadInput(why)
+            })?;
+        }
         let endings = [
-            (&self.output, "wav"),
             (&self.echogram, "csv"),
             (&self.csv, "csv"),
             (&self.plot, "svg"),
@@ -248,13 +254,24 @@ impl Arguments {
 
     /// Checks that all output files can be written.
     fn check_files(&self, names: &FileNames) -> anyhow::Result<()> {
-        let of_pairs = [&self.output, &self.echogram, &self.plot];
+        let is_common = self.output.as_deref().is_some_and(is_sofa);
+        let (common, by_pair) = match is_common {
+            true => (&self.output, &None),
+            false => (&None, &self.output),
+        };
+        let of_pairs = [by_pair, &self.echogram, &self.plot];
         for given in of_pairs.into_iter().flatten() {
             names.all(given).try_for_each(|file| check_file(&file))?;
         }
-        if let Some(file) = &self.csv {
+        for file in [common, &self.csv].into_iter().flatten() {
             check_file(file)?;
         }
         Ok(())
     }
+}
+
+/// Whether a file has the ending of SOFA files.
+fn is_sofa(file: &Path) -> bool {
+    let ending = file.extension();
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("sofa"))
 }

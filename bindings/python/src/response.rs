@@ -7,12 +7,12 @@ use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::hrtf::HrirSet;
 use echomarch::response::{
     Accuracy, AmbisonicOrder, BandFigures, Figures, Format, Gap, ImpulseResponse, ImpulseSettings,
-    ListenerAxes, Response, ResponseError, ResponseSettings, Round,
+    ListenerAxes, Response, ResponseError, ResponseSettings, RoomMeasurement, Round,
 };
 use echomarch::scene::Pair;
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
 use echomarch::{Error, Tracer};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -35,10 +35,11 @@ pub struct Heard {
     source: String,
     listener: String,
     source_position: [f32; 3],
+    /// The viewing direction and the upward direction of the source, world axes.
+    source_view: [DVec3; 2],
     listener_position: [f32; 3],
     /// The viewing direction and the upward direction of the listener, world axes.
-    forward: DVec3,
-    up: DVec3,
+    listener_view: [DVec3; 2],
     speed_of_sound: f64,
     seed: u32,
     /// The names of the surfaces that reflect each path, with the walls of rooms and the groups of meshes.
@@ -188,14 +189,19 @@ impl Heard {
             source: scene.source_labels().swap_remove(source_index),
             listener: scene.listener_labels().swap_remove(listener_index),
             source_position: source.position.to_array(),
+            source_view: [source.forward(), source.up()].map(|v| v.as_dvec3()),
             listener_position: listener.position.to_array(),
-            forward: listener.forward().as_dvec3(),
-            up: listener.up().as_dvec3(),
+            listener_view: [listener.forward(), listener.up()].map(|v| v.as_dvec3()),
             speed_of_sound: scene.speed_of_sound(),
             seed: settings.trace.seed,
             response,
         }
     }
+}
+
+/// The axes with a viewing direction and an upward direction.
+fn axes([forward, up]: [DVec3; 2]) -> PyResult<ListenerAxes> {
+    ListenerAxes::new(forward, up).map_err(errors::from)
 }
 
 /// The names of the surfaces on each path, with the walls of rooms and the groups of meshes.
@@ -352,9 +358,36 @@ impl Heard {
         sofa: Option<PathBuf>,
         seed: Option<u64>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let channels = py.detach(|| self.channels(rate_hz, format, ambisonic_order, sofa, seed))?;
-        let array = PyArray2::from_vec2(py, &channels);
+        let made = py.detach(|| self.impulse(rate_hz, format, ambisonic_order, sofa, seed))?;
+        let array = PyArray2::from_vec2(py, made.channels());
         array.map_err(|error| errors::internal(error.to_string()))
+    }
+
+    /// Writes the impulse responses of several responses as one SOFA file. `head` is a file of head-related impulse
+    /// responses for the format `binaural`.
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments)]
+    fn write_sofa(
+        py: Python<'_>,
+        file: PathBuf,
+        responses: Vec<Py<Heard>>,
+        rate_hz: u32,
+        format: &str,
+        ambisonic_order: Option<i64>,
+        head: Option<PathBuf>,
+        seed: Option<u64>,
+    ) -> PyResult<()> {
+        let title = responses.first().map_or("", |first| &first.get().scene);
+        py.detach(|| {
+            let measured = responses.iter().map(|response| {
+                let heard = response.get();
+                let impulse =
+                    heard.impulse(rate_hz, format, ambisonic_order, head.clone(), seed)?;
+                heard.measurement(impulse)
+            });
+            let measured: Vec<RoomMeasurement> = measured.collect::<PyResult<_>>()?;
+            RoomMeasurement::write_sofa(&file, title, &measured).map_err(errors::from)
+        })
     }
 
     /// The response as bytes.
@@ -403,8 +436,9 @@ impl Heard {
         about.set_item("listener", &self.listener)?;
         about.set_item("source_position", self.source_position)?;
         about.set_item("listener_position", self.listener_position)?;
-        about.set_item("listener_view", self.forward.to_array())?;
-        about.set_item("listener_up", self.up.to_array())?;
+        let [forward, up] = self.listener_view;
+        about.set_item("listener_view", forward.to_array())?;
+        about.set_item("listener_up", up.to_array())?;
         about.set_item("speed_of_sound", self.speed_of_sound)?;
         about.set_item("seed", self.seed)?;
         about.set_item("waves", response.waves)?;
@@ -431,14 +465,14 @@ impl Heard {
 }
 
 impl Heard {
-    fn channels(
+    fn impulse(
         &self,
         rate_hz: u32,
         format: &str,
         ambisonic_order: Option<i64>,
         sofa: Option<PathBuf>,
         seed: Option<u64>,
-    ) -> PyResult<Vec<Vec<f32>>> {
+    ) -> PyResult<ImpulseResponse> {
         let mut settings = ImpulseSettings::new(self.response.seconds);
         settings.rate_hz = rate_hz;
         settings.seed = seed.unwrap_or(self.seed.into());
@@ -474,10 +508,20 @@ impl Heard {
                 return Err(errors::settings(message));
             }
         };
-        let axes = ListenerAxes::new(self.forward, self.up).map_err(errors::from)?;
+        let axes = axes(self.listener_view)?;
         let (taps, echogram) = (self.response.taps(), &self.response.echogram);
         let impulse = ImpulseResponse::new(&taps, echogram, &axes, &settings);
-        Ok(impulse.map_err(errors::from)?.channels().to_vec())
+        impulse.map_err(errors::from)
+    }
+
+    fn measurement(&self, impulse: ImpulseResponse) -> PyResult<RoomMeasurement> {
+        Ok(RoomMeasurement {
+            source_position: Vec3::from(self.source_position).as_dvec3(),
+            source_axes: axes(self.source_view)?,
+            listener_position: Vec3::from(self.listener_position).as_dvec3(),
+            listener_axes: axes(self.listener_view)?,
+            impulse,
+        })
     }
 }
 

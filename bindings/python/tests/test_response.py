@@ -122,17 +122,24 @@ def test_a_sofa_file_has_samples_and_places(room, tmp_path):
         np.testing.assert_allclose(np.squeeze(read.ListenerPosition), em.to_pyfar(r.listener_position))
         # A yaw of 30 degrees is to the right, and y of SOFA is to the left.
         np.testing.assert_allclose(np.squeeze(read.ListenerView), [np.cos(np.pi / 6), -0.5, 0], atol=1e-6)
+        assert read.verify(issue_handling="return") is None
+    file = tmp_path / "both.sofa"
+    em.write_sofa(file, [r, em.response(room, **{**CHEAP, "seconds": 0.1})], rate=44100)
+    both = sofar.read_sofa(str(file)).Data_IR
+    assert both.shape[:2] == (2, 1) and not both[1, 0, 4410:].any() and both[1, 0, :4410].any()
+    with pytest.raises(em.SofaError, match="no measurements"):
+        em.write_sofa(file, [])
 
 
 @pytest.mark.parametrize(
-    "package, call", [("pyfar", "to_pyfar"), ("sofar", "to_sofa"), ("matplotlib.pyplot", "plot")]
+    "package, call", [("pyfar", "to_pyfar"), ("matplotlib.pyplot", "plot")]
 )
 def test_missing_packages_are_named(room, monkeypatch, package, call):
     """Protects users without the optional packages: the exception says what to install."""
     monkeypatch.setitem(sys.modules, package, None)
     r = em.response(room, **CHEAP)
     with pytest.raises(em.MissingPackageError, match=f"python -m pip install {package.split('.')[0]}"):
-        getattr(r, call)(*(["room.sofa"] if call == "to_sofa" else []))
+        getattr(r, call)()
 
 
 def test_progress_reports_each_round(room, capsys):

@@ -3,6 +3,7 @@
 
 use super::{bad_shape, bad_value};
 use crate::file_input::InputError;
+use crate::file_output::is_bad_place;
 use crate::hrtf::{BalloonError, HrirError, HrirSet};
 use hdf5_pure::{Dataset, Error, File, FormatError};
 use std::path::PathBuf;
@@ -17,6 +18,16 @@ pub struct SofaError {
     /// The problem with it.
     #[source]
     pub problem: SofaProblem,
+}
+
+impl SofaError {
+    /// Whether the file or the path is at fault rather than the disk.
+    pub(crate) fn is_bad_input(&self) -> bool {
+        match &self.problem {
+            SofaProblem::NotWritten { reason } => is_bad_place(reason),
+            _ => true,
+        }
+    }
 }
 
 /// A problem with a SOFA file.
@@ -98,6 +109,28 @@ pub enum SofaProblem {
     Balloon {
         /// The error of the measurements.
         source: BalloonError,
+    },
+    /// Impulse responses that do not fit into one file.
+    #[error("{what}")]
+    NotOneSet {
+        /// The reason.
+        what: &'static str,
+    },
+    /// Too many samples for one file.
+    #[error(
+        "its responses have {samples} samples, but at most {limit} fit: write fewer pairs, fewer channels or a shorter response"
+    )]
+    TooManySamples {
+        /// Number of samples of all responses.
+        samples: usize,
+        /// Maximum number of samples.
+        limit: usize,
+    },
+    /// The file cannot be written.
+    #[error("{reason}")]
+    NotWritten {
+        /// The operating system's error.
+        reason: std::io::Error,
     },
 }
 

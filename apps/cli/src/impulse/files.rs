@@ -1,7 +1,8 @@
 //! The files of `echomarch impulse`.
 
-use super::Arguments;
+use super::file_names::FileNames;
 use super::pairs::NamedPair;
+use super::{Arguments, is_sofa};
 use anyhow::anyhow;
 use echomarch::Error;
 use echomarch::audio::WavWriter;
@@ -9,24 +10,20 @@ use echomarch::bands::BANDS_HZ;
 use echomarch::internals::file_output::write_whole;
 use echomarch::response::{
     BandFigures, Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
-    Response,
+    Response, RoomMeasurement,
 };
 use echomarch_lab::experiment::decay_plot;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes the requested files of a pair. `file_of` returns the pair's file for a file given on the command line.
+/// Writes the echogram and the plot of a pair. `file_of` returns the pair's file for a file given on the command line.
 pub fn write(
     arguments: &Arguments,
-    format: &Format,
     pair: &NamedPair,
     response: &Response,
     file_of: impl Fn(&Path) -> PathBuf,
 ) -> anyhow::Result<()> {
     let file_of = |given: &Option<PathBuf>| given.as_deref().map(&file_of);
-    if let Some(file) = file_of(&arguments.output) {
-        write_wav(arguments, &file, format, pair, response)?;
-    }
     if let Some(file) = file_of(&arguments.echogram) {
         write_whole(&file, |out| write_echogram(&response.echogram, out))?;
     }
@@ -44,24 +41,60 @@ pub fn write(
     Ok(())
 }
 
-fn write_wav(
+/// Writes the impulse responses of all pairs: one SOFA file, or one WAV file for each pair.
+pub fn write_impulses(
+    arguments: &Arguments,
+    format: &Format,
+    heard: &[(NamedPair, Response)],
+    names: &FileNames,
+) -> anyhow::Result<()> {
+    let Some(output) = &arguments.output else {
+        return Ok(());
+    };
+    if is_sofa(output) {
+        return write_sofa(arguments, output, format, heard);
+    }
+    for (index, (pair, response)) in heard.iter().enumerate() {
+        let impulse = impulse(arguments, format, pair, response)?;
+        let channels = impulse.channels().len() as u16;
+        let file = names.file(output, index);
+        let mut wav = WavWriter::create_with_channels(file, arguments.rate, channels)?;
+        wav.write(&impulse.interleaved())?;
+        wav.finish()?;
+    }
+    Ok(())
+}
+
+fn write_sofa(
     arguments: &Arguments,
     file: &Path,
     format: &Format,
+    heard: &[(NamedPair, Response)],
+) -> anyhow::Result<()> {
+    let measured = heard.iter().map(|(pair, response)| {
+        let impulse = impulse(arguments, format, pair, response)?;
+        Ok(RoomMeasurement::of(pair.pair, impulse).map_err(Error::from)?)
+    });
+    let measured: Vec<RoomMeasurement> = measured.collect::<anyhow::Result<_>>()?;
+    let title = heard
+        .first()
+        .map_or("", |(pair, _)| &pair.pair.scene().name);
+    Ok(RoomMeasurement::write_sofa(file, title, &measured).map_err(Error::from)?)
+}
+
+fn impulse(
+    arguments: &Arguments,
+    format: &Format,
     pair: &NamedPair,
     response: &Response,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<ImpulseResponse> {
     let axes = ListenerAxes::of(pair.pair.listener()).map_err(Error::from)?;
     let mut settings = ImpulseSettings::new(response.seconds);
     settings.rate_hz = arguments.rate;
     settings.format = format.clone();
     settings.seed = arguments.seed.into();
     let impulse = ImpulseResponse::new(&response.taps(), &response.echogram, &axes, &settings);
-    let impulse = impulse.map_err(Error::from)?;
-    let channels = settings.format.channels() as u16;
-    let mut wav = WavWriter::create_with_channels(file, arguments.rate, channels)?;
-    wav.write(&impulse.interleaved())?;
-    Ok(wav.finish()?)
+    Ok(impulse.map_err(Error::from)?)
 }
 
 fn write_echogram(echogram: &Echogram, out: &mut dyn Write) -> io::Result<()> {

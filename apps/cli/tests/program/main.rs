@@ -19,6 +19,7 @@ mod heard_paths;
 mod impulse;
 mod impulse_binaural;
 mod impulse_directed;
+mod impulse_sofa;
 mod interrupted;
 mod levels;
 mod localise;

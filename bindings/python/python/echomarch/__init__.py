@@ -34,7 +34,7 @@ from ._errors import (
 from ._material import Material, builtin_materials
 from ._progress import Progress
 from ._renderer import renderer, use_renderer
-from ._response import BANDS_HZ, FIGURES, Response, response
+from ._response import BANDS_HZ, FIGURES, Response, response, write_sofa
 from ._responses import responses
 from ._scene import WALLS, Scene
 from ._study import Study
@@ -69,6 +69,7 @@ __all__ = [
     "to_pyfar",
     "trace",
     "use_renderer",
+    "write_sofa",
 ]
 
 # A driver may crash if the process ends while a thread draws.

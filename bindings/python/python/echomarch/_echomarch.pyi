@@ -66,6 +66,16 @@ class Heard:
     def impulse_response(
         self, rate_hz: int, format: str, ambisonic_order: Optional[int], sofa: Optional[str], seed: Optional[int]
     ) -> npt.NDArray[np.float32]: ...
+    @staticmethod
+    def write_sofa(
+        file: str,
+        responses: List["Heard"],
+        rate_hz: int,
+        format: str,
+        ambisonic_order: Optional[int],
+        head: Optional[str],
+        seed: Optional[int],
+    ) -> None: ...
     def to_bytes(self) -> bytes: ...
     def warnings(self) -> List[str]: ...
     def about(self) -> Dict[str, Any]: ...

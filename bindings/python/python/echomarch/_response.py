@@ -44,9 +44,6 @@ _PATHS_DTYPE = np.dtype(
 )
 _ECHOGRAM_DTYPE = np.dtype([("time_s", "f8"), ("energy", "f8", (8,)), ("flow", "f8", (8, 3))])
 
-_UNKNOWN_TO_SOFA = ("ReceiverDescriptions", "EmitterDescriptions", "RoomVolume", "RoomTemperature", "RoomCorners",
-                    "RoomCornerA", "RoomCornerB")
-
 _DEFAULT_ACCURACY = 0.02
 
 _SEED = "a whole number of 0 to 4294967295"
@@ -384,12 +381,7 @@ class Response:
         -------
         numpy.ndarray of float32, shape (channels, samples)
         """
-        file = None if sofa is None else os.fspath(sofa)
-        rate = _arguments.whole("rate", "a whole number of samples per second", rate)
-        format = _arguments.text("format", "the name of a format", format)
-        order = _arguments.optional_whole("order", "a whole number, 1 to 7", order)
-        seed = _arguments.optional_whole("seed", _SEED, seed)
-        return self._heard.impulse_response(rate, format, order, file, seed)
+        return self._heard.impulse_response(*_impulse_settings(rate, format, sofa, seed, order))
 
     def decay(self) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return the decay curves: backward integrals of the energy (Schroeder 1965), without an estimated tail.
@@ -449,49 +441,61 @@ class Response:
         format: str = "mono",
         sofa: Optional[AnyPath] = None,
         seed: Optional[int] = None,
+        order: Optional[int] = None,
     ) -> None:
-        """Write the impulse response as a SOFA file of the convention SingleRoomSRIR (needs sofar).
-
-        Positions and directions in the file have the axes of SOFA: x ahead, y to the left, z up.
+        """Write the impulse response as a SOFA file: :func:`write_sofa` with this response only.
 
         Parameters
         ----------
-        file : path
-            The file to write, ending in ``.sofa``.
-        rate, format, sofa, seed
-            As in :meth:`ir`. Each channel is a receiver of the file.
+        file, rate, format, sofa, seed, order
+            As in :func:`write_sofa`.
         """
-        sofar = _optional("sofar", "to_sofa")
-        samples = self.ir(rate, format, sofa, seed).astype(np.float64)
-        channels = len(samples)
-        about = self._heard.about()
-        written = sofar.Sofa("SingleRoomSRIR")
-        # Optional in the convention; sofar 1.3 cannot write texts with netCDF4 1.7.5, and these fields describe a box.
-        for name in _UNKNOWN_TO_SOFA:
-            written.delete(name)
-        written.GLOBAL_Title = f"{self.scene}: {self.source} at {self.listener}"
-        written.GLOBAL_ApplicationName = "Echomarch"
-        written.GLOBAL_ApplicationVersion = _echomarch.__version__
-        written.GLOBAL_RoomType = "reverberant"
-        written.GLOBAL_Comment = f"receivers: {', '.join(_receivers(format))}; renderer {self.renderer}; seed {self.seed}"
-        for name in "Listener", "Source":
-            setattr(written, f"{name}Position", _axes.to_pyfar(about[f"{name.lower()}_position"])[np.newaxis])
-            setattr(written, f"{name}Position_Type", "cartesian")
-            setattr(written, f"{name}Position_Units", "metre")
-        written.ListenerView = _axes.to_pyfar(about["listener_view"])[np.newaxis]
-        written.ListenerUp = _axes.to_pyfar(about["listener_up"])[np.newaxis]
-        written.ReceiverPosition = np.zeros((channels, 3))
-        written.ReceiverView = np.tile([1.0, 0.0, 0.0], (channels, 1))
-        written.ReceiverUp = np.tile([0.0, 0.0, 1.0], (channels, 1))
-        written.Data_IR = samples[np.newaxis]
-        written.Data_Delay = np.zeros((1, channels))
-        written.Data_SamplingRate = float(rate)
-        sofar.write_sofa(os.fspath(file), written)
+        write_sofa(file, [self], rate, format, sofa, seed, order)
 
     def __repr__(self) -> str:
         t30 = self.figures["t30"][4]
         heard = "T30 not defined" if np.isnan(t30) else f"T30 {t30:.2f} s"
         return f"<echomarch.Response of {self.scene!r}: {self.source} at {self.listener}, {heard} at 1 kHz>"
+
+
+def write_sofa(
+    file: AnyPath,
+    responses: Iterable[Response],
+    rate: int = 48_000,
+    format: str = "mono",
+    sofa: Optional[AnyPath] = None,
+    seed: Optional[int] = None,
+    order: Optional[int] = None,
+) -> None:
+    """Write impulse responses as a SOFA file of the convention SingleRoomSRIR (AES69).
+
+    Each response is a measurement of the file, and each channel a receiver. Positions and directions in the file have
+    the axes of SOFA: x ahead, y to the left, z up. Shorter responses end with silence.
+
+    Parameters
+    ----------
+    file : path
+        The file to write, ending in ``.sofa``.
+    responses : iterable of Response
+        The responses, such as all pairs of a scene.
+    rate, format, sofa, seed, order
+        As in :meth:`Response.ir`.
+    """
+    heard = [response._heard for response in responses]
+    _echomarch.Heard.write_sofa(os.fspath(file), heard, *_impulse_settings(rate, format, sofa, seed, order))
+
+
+def _impulse_settings(
+    rate: int, format: str, sofa: Optional[AnyPath], seed: Optional[int], order: Optional[int]
+) -> Tuple[int, str, Optional[int], Optional[str], Optional[int]]:
+    """Return the checked settings of an impulse response, in the order of the extension module."""
+    return (
+        _arguments.whole("rate", "a whole number of samples per second", rate),
+        _arguments.text("format", "the name of a format", format),
+        _arguments.optional_whole("order", "a whole number, 1 to 7", order),
+        None if sofa is None else os.fspath(sofa),
+        _arguments.optional_whole("seed", _SEED, seed),
+    )
 
 
 def _optional(module: str, what: str) -> Any:
@@ -500,16 +504,6 @@ def _optional(module: str, what: str) -> Any:
         return importlib.import_module(module)
     except ImportError:
         raise needed(module.split(".")[0], what) from None
-
-
-def _receivers(format: str) -> List[str]:
-    """Return the names of the channels of a format."""
-    names: Dict[str, List[str]] = {
-        "mono": ["omnidirectional"],
-        "stereo": ["left", "right"],
-        "binaural": ["left ear", "right ear"],
-    }
-    return names.get(format, ["W", "Y", "Z", "X"])
 
 
 def _restored(data: bytes, axes: str) -> Response:
