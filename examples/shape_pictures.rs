@@ -6,10 +6,10 @@
 
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::picture::{ViewOptions, first_person, save_png};
-use echomarch::scene::shape::HeightField;
-use echomarch::scene::{HeightImage, Node, SceneError, Shape, Surface};
+use echomarch::scene::shape::{Grid, HeightField};
+use echomarch::scene::{HeightImage, Node, SampledField, SceneError, Shape, Surface};
 use echomarch::{Error, Scene};
-use glam::{UVec2, Vec3};
+use glam::{UVec2, UVec3, Vec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -218,6 +218,12 @@ fn main() -> Result<(), Error> {
             Surface::new(Shape::from(Node::HeightField(HeightField { image, size })));
         save(&scene, "shapes/height-field", (200, 150))?;
     }
+    if is_wanted("grid") {
+        let mut scene = stage("Plane", Outside)?;
+        let field = Arc::new(knot());
+        scene.surfaces[0] = Surface::new(Shape::from(Node::Grid(Grid { field })));
+        save(&scene, "shapes/grid", (200, 150))?;
+    }
     for (name, eye) in SCENES.iter().filter(|(name, ..)| is_wanted(name)) {
         let mut scene = Scene::builtin(name)?.at(2.0);
         if let Some((position, yaw, pitch)) = eye {
@@ -283,4 +289,20 @@ fn hills() -> HeightImage {
     });
     let image = HeightImage::new("hills", UVec2::splat(SIDE), heights.collect());
     image.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Two rings through each other, sampled every 10 cm.
+fn knot() -> SampledField {
+    const SIDE: u32 = 33;
+    const CELL_M: f32 = 0.1;
+    let ring = |along: Vec2, across: f32| Vec2::new(along.length() - 0.8, across).length() - 0.25;
+    let value = |index: u32| {
+        let place = UVec3::new(index / (SIDE * SIDE), index / SIDE % SIDE, index % SIDE);
+        let p = (place.as_vec3() - 0.5 * (SIDE - 1) as f32) * CELL_M;
+        let (one, other) = (p + Vec3::X * 0.4, p - Vec3::X * 0.4);
+        ring(Vec2::new(one.x, one.z), one.y).min(ring(Vec2::new(other.x, other.y), other.z))
+    };
+    let values = (0..SIDE * SIDE * SIDE).map(value).collect();
+    let field = SampledField::new("knot", UVec3::splat(SIDE), CELL_M, values);
+    field.unwrap_or_else(|error| panic!("{error}"))
 }

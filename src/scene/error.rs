@@ -141,6 +141,12 @@ pub enum SceneError {
         /// Name or file of the image, and the requirement.
         why: String,
     },
+    /// A sampled field that cannot be used.
+    #[error("{why}")]
+    BadSampledField {
+        /// Name or file of the field, and the requirement.
+        why: String,
+    },
     /// The orientation of a listener tilts the head to one side. A listener has only yaw and pitch.
     #[error(
         "a listener's head cannot be tilted to a side, and this orientation tilts it by {roll_deg}° to the right: give the direction of its gaze instead"

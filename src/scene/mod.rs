@@ -43,7 +43,7 @@ pub use motion::{Key, Motion, Path};
 #[cfg(feature = "picture")]
 pub(crate) use pair::sealed::Viewpoint;
 pub use pair::{IntoPair, Pair};
-pub use shape::{Bounds3, HeightImage, Shape, UserField};
+pub use shape::{Bounds3, HeightImage, SampledField, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, WaveDomain, halton};
 #[doc(hidden)]
 pub use shape::{Exactness, Node, Properties};
@@ -220,11 +220,12 @@ impl Scene {
         all
     }
 
-    /// The files that the scene file names: users' fields, height images and directivities.
+    /// The files that the scene file names: users' fields, height images, sampled fields, meshes and directivities.
     pub fn files(&self) -> Vec<PathBuf> {
         let file = |asset: Asset| match asset {
             Asset::User(field) => field.file.clone(),
             Asset::Image(image) => PathBuf::from(image.name()),
+            Asset::Samples(field) => PathBuf::from(field.name()),
             Asset::Mesh(mesh) => PathBuf::from(mesh.name()),
         };
         let balloons = self.balloons().map(|balloon| balloon.name().into());
@@ -232,13 +233,15 @@ impl Scene {
     }
 
     /// The contents of the files of [`Scene::files`], in the same order. A user's field is its text. An image is its
-    /// width, its height and its heights as little-endian `f32`. A directivity is its directions and amplitudes as
+    /// width, its height and its heights as little-endian `f32`; a sampled field is its numbers of samples, its cell and
+    /// its values. A directivity is its directions and amplitudes as
     /// little-endian `f64`.
     #[doc(hidden)]
     pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
             Asset::User(field) => field.text.clone().into_bytes(),
             Asset::Image(image) => image.to_bytes(),
+            Asset::Samples(field) => field.to_bytes(),
             Asset::Mesh(mesh) => mesh.to_bytes(),
         };
         let balloons = self.balloons().map(Balloon::to_bytes);

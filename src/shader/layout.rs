@@ -12,7 +12,7 @@
 use super::cells::Lists;
 use crate::scene::mesh::TriangleMesh;
 use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat, User};
-use crate::scene::{Copies, HeightImage, Node, Scene, Shape, Surface, UserField};
+use crate::scene::{Copies, HeightImage, Node, SampledField, Scene, Shape, Surface, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -244,6 +244,7 @@ struct NodeSignature {
 #[derive(Clone, Debug)]
 enum OwnAsset {
     Image(Arc<HeightImage>),
+    Samples(Arc<SampledField>),
     User(Arc<UserField>),
     Mesh(Arc<TriangleMesh>),
 }
@@ -252,6 +253,7 @@ impl From<Asset<'_>> for OwnAsset {
     fn from(asset: Asset) -> OwnAsset {
         match asset {
             Asset::Image(image) => OwnAsset::Image(Arc::clone(image)),
+            Asset::Samples(field) => OwnAsset::Samples(Arc::clone(field)),
             Asset::User(field) => OwnAsset::User(Arc::clone(field)),
             Asset::Mesh(mesh) => OwnAsset::Mesh(Arc::clone(mesh)),
         }
@@ -304,6 +306,7 @@ impl PartialEq for OwnAsset {
     fn eq(&self, other: &OwnAsset) -> bool {
         match (self, other) {
             (OwnAsset::Image(a), OwnAsset::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            (OwnAsset::Samples(a), OwnAsset::Samples(b)) => Arc::ptr_eq(a, b) || a == b,
             (OwnAsset::User(a), OwnAsset::User(b)) => Arc::ptr_eq(a, b) || a == b,
             (OwnAsset::Mesh(a), OwnAsset::Mesh(b)) => Arc::ptr_eq(a, b) || a == b,
             _ => false,
@@ -317,6 +320,7 @@ impl Hash for OwnAsset {
     fn hash<H: Hasher>(&self, state: &mut H) {
         match self {
             OwnAsset::Image(image) => image.size().hash(state),
+            OwnAsset::Samples(field) => field.size().hash(state),
             OwnAsset::User(user) => user.text.hash(state),
             OwnAsset::Mesh(mesh) => mesh.triangle_count().hash(state),
         }

@@ -1,7 +1,7 @@
 //! The scene's data: everything that is too large for uniforms.
 //!
 //! The data are an array of vectors in this order:
-//! - The heights of images, and the meshes (`mesh_data.rs`), at indices that the text contains.
+//! - The heights of images, the samples of fields (`glsl/shape/grid.glsl`), and the meshes (`mesh_data.rs`), at indices that the text contains.
 //! - For surfaces in cells, a directory with one vector for each surface of the scene (its number, its kind, the index
 //!   of its values, its material), and then the values.
 //! - For lines, the cells of each kind, with records of its surfaces.
@@ -36,13 +36,13 @@ use super::mesh_data::mesh_vectors;
 use super::origin_rebasing::{BOX_VECTORS, RebasedScene, rounding_of, value_count};
 use super::structure::Assets;
 use super::text::is_marched;
-use crate::scene::{Node, Surface};
-use glam::{DVec3, UVec3, Vec3, Vec4};
+use crate::scene::{Node, SampledField, Surface};
+use glam::{DVec3, IVec3, UVec3, Vec3, Vec4};
 
 /// Vectors in a row of the texture `uSceneData`.
 pub const DATA_WIDTH: usize = 1024;
 
-/// The heights of the scene's images, one per vector, in its first component, and the scene's meshes.
+/// The heights of the scene's images, one per vector, in its first component, the samples of its fields, and its meshes.
 pub(super) fn assets(assets: &Assets) -> Vec<Vec4> {
     let mut data = vec![Vec4::ZERO; assets.data_length];
     for (image, first) in &assets.images {
@@ -50,11 +50,27 @@ pub(super) fn assets(assets: &Assets) -> Vec<Vec4> {
             place.x = *height;
         }
     }
+    for (field, first) in &assets.samples {
+        for (place, vector) in data[*first..].iter_mut().zip(sample_vectors(field)) {
+            *place = vector;
+        }
+    }
     for (mesh, first) in &assets.meshes {
         let vectors = mesh_vectors(mesh);
         data[*first..first + vectors.len()].copy_from_slice(&vectors);
     }
     data
+}
+
+/// A vector for each sample, x fastest: the values at (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
+fn sample_vectors(field: &SampledField) -> impl Iterator<Item = Vec4> {
+    let size = field.size().as_ivec3();
+    let rows = (0..size.z).flat_map(move |z| (0..size.y).map(move |y| (y, z)));
+    let places = rows.flat_map(move |(y, z)| (0..size.x).map(move |x| IVec3::new(x, y, z)));
+    places.map(|at| {
+        let value = |x, y| field.sample(at + IVec3::new(x, y, 0));
+        Vec4::new(value(0, 0), value(1, 0), value(0, 1), value(1, 1))
+    })
 }
 
 /// The indices and grids of the cells, as passed to the shader.

@@ -10,7 +10,7 @@ use super::mesh_data::mesh_length;
 use super::origin_rebasing::value_count;
 use crate::scene::mesh::TriangleMesh;
 use crate::scene::shape::Asset;
-use crate::scene::{HeightImage, Scene, SceneError, Shape, UserField};
+use crate::scene::{HeightImage, SampledField, Scene, SceneError, Shape, UserField};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -100,9 +100,11 @@ impl Structure {
 pub(super) struct Assets {
     /// Each image, with the index of its first height in the scene's data.
     pub images: Vec<(Arc<HeightImage>, usize)>,
+    /// Each sampled field, with the index of its first vector in the scene's data.
+    pub samples: Vec<(Arc<SampledField>, usize)>,
     /// Each mesh, with the index of its first vector in the scene's data.
     pub meshes: Vec<(Arc<TriangleMesh>, usize)>,
-    /// Number of vectors in the scene's data that images and meshes take.
+    /// Number of vectors in the scene's data that images, sampled fields and meshes take.
     pub data_length: usize,
     /// Users' fields with different texts. The number of a field is its index here.
     pub users: Vec<Arc<UserField>>,
@@ -125,6 +127,10 @@ impl Assets {
                     self.images.push((Arc::clone(image), self.data_length));
                     self.data_length += image.heights().len();
                 }
+                Some(Asset::Samples(field)) if self.samples(field).is_none() => {
+                    self.samples.push((Arc::clone(field), self.data_length));
+                    self.data_length += field.values().len();
+                }
                 Some(Asset::Mesh(mesh)) if self.mesh(mesh).is_none() => {
                     self.meshes.push((Arc::clone(mesh), self.data_length));
                     self.data_length += mesh_length(mesh);
@@ -137,26 +143,34 @@ impl Assets {
         }
     }
 
-    /// The indices of the images and meshes that the text uses, in the order of the text.
+    /// The indices of the images, sampled fields and meshes that the text uses, in the order of the text.
     pub fn places(&self, layout: &Layout, scene: &Scene) -> Vec<usize> {
-        if self.images.is_empty() && self.meshes.is_empty() {
+        if self.data_length == 0 {
             return Vec::new();
         }
         let surfaces = layout.unrolled.iter().chain(&layout.instanced);
         let fields = surfaces.map(|&index| &scene.surfaces[index].shape);
-        let images = fields
+        let places = fields
             .flat_map(Shape::nodes)
             .filter_map(|f| match f.node.asset() {
                 Some(Asset::Image(image)) => self.image(image),
+                Some(Asset::Samples(field)) => self.samples(field),
                 Some(Asset::Mesh(mesh)) => self.mesh(mesh),
                 _ => None,
             });
-        images.collect()
+        places.collect()
     }
 
     pub fn image(&self, image: &Arc<HeightImage>) -> Option<usize> {
         let same = |known: &Arc<HeightImage>| Arc::ptr_eq(known, image) || **known == **image;
         let known = self.images.iter().find(|(known, _)| same(known));
+        known.map(|(_, first)| *first)
+    }
+
+    /// The index of a sampled field in the scene's data.
+    pub fn samples(&self, field: &Arc<SampledField>) -> Option<usize> {
+        let same = |known: &Arc<SampledField>| Arc::ptr_eq(known, field) || **known == **field;
+        let known = self.samples.iter().find(|(known, _)| same(known));
         known.map(|(_, first)| *first)
     }
 

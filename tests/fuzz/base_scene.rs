@@ -26,6 +26,8 @@ const TOKENS: &[&str] = &[
     "Field",
     "file",
     "HeightField",
+    "Grid",
+    "cell",
     "image",
     "materials",
     "material",

@@ -39,6 +39,7 @@ const TOKENS: &[&str] = &[
     "Keys",
     "Value",
     "HeightField",
+    "Grid",
     "Field",
     "name",
     "base",

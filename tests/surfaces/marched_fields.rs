@@ -3,11 +3,11 @@
 
 use crate::common::{Random, flights};
 use echomarch::scene::shape::{
-    Capsule, Cone, Ellipsoid, HalfSpace, HeightField, Prism, Room, RoundedBox, Torus,
+    Capsule, Cone, Ellipsoid, Grid, HalfSpace, HeightField, Prism, Room, RoundedBox, Torus,
 };
-use echomarch::scene::{HeightImage, Node, Shape};
+use echomarch::scene::{HeightImage, Node, SampledField, Shape};
 use echomarch::{Listener, Profile, Scene, Source, Surface};
-use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
+use glam::{DVec3, EulerRot, Quat, UVec2, UVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
@@ -80,6 +80,20 @@ fn height_field(size: Vec3) -> Shape {
     .into()
 }
 
+/// A ring that another program sampled coarsely: the surface is folded along the faces of the cells.
+fn sampled() -> Shape {
+    let (side, cell) = (UVec3::new(21, 9, 21), 0.25);
+    let at = |index: u32| {
+        let (x, y, z) = (index / 189, index / 21 % 9, index % 21);
+        let p = (UVec3::new(x, y, z).as_vec3() - 0.5 * (side - 1).as_vec3()) * cell;
+        Vec2::new(p.with_y(0.0).length() - 1.5, p.y).length() - 0.5
+    };
+    let values = (0..side.element_product()).map(at).collect();
+    let field = SampledField::new("ring", side, cell, values).unwrap();
+    let field = Arc::new(field);
+    Node::Grid(Grid { field }).into()
+}
+
 /// Returns every kind of field whose march could pass a solid: non-convex, blended, cut or thin fields.
 fn kinds() -> Vec<(&'static str, Shape)> {
     let cone = || {
@@ -124,6 +138,8 @@ fn kinds() -> Vec<(&'static str, Shape)> {
         ),
         ("cut", torus().minus([aside(capsule())])),
         ("common", Shape::intersection([torus(), aside(ellipsoid())])),
+        ("sampled", sampled()),
+        ("sampled shell", sampled().shell(0.02)),
         ("mirrored", aside(torus()).mirror([true, false, true])),
         ("elongated", torus().elongate(Vec3::new(0.4, 0.0, 0.2))),
         (

@@ -10,7 +10,7 @@ pub(crate) use numbers::{
 };
 
 use super::mesh::{Inside, MeshOptions, TriangleMesh};
-use super::{Balloon, FIELDS, HeightImage, SceneError, UserField};
+use super::{Balloon, FIELDS, HeightImage, SampledField, SceneError, UserField};
 use crate::file_input::read_text;
 use crate::text::in_a_line;
 use glam::Vec3;
@@ -273,6 +273,7 @@ pub(crate) struct Attached {
     origin: String,
     place: Place,
     images: RefCell<Vec<(String, Arc<HeightImage>)>>,
+    samples: RefCell<Vec<(String, Arc<SampledField>)>>,
     meshes: RefCell<Vec<(String, Arc<TriangleMesh>)>>,
     fields: RefCell<Vec<Arc<UserField>>>,
     balloons: RefCell<Vec<(String, Arc<Balloon>)>>,
@@ -303,6 +304,7 @@ impl Attached {
             origin: origin.to_owned(),
             place,
             images: RefCell::default(),
+            samples: RefCell::default(),
             meshes: RefCell::default(),
             fields: RefCell::default(),
             balloons: RefCell::default(),
@@ -336,6 +338,21 @@ impl Attached {
         let read = (name.to_owned(), image.clone());
         self.images.borrow_mut().push(read);
         Ok(image)
+    }
+
+    /// Reads the sampled field with this file name. `cell` is the distance between its samples in metres.
+    pub fn samples(&self, name: &str, cell: f32) -> Result<Arc<SampledField>, SceneError> {
+        let is_same =
+            |(known, field): &&(String, Arc<SampledField>)| known == name && field.cell() == cell;
+        if let Some((_, field)) = self.samples.borrow().iter().find(is_same) {
+            return Ok(field.clone());
+        }
+        let field = SampledField::from_file(&self.path(name), cell)
+            .map_err(|error| self.refused(error.to_string()))?;
+        let field = Arc::new(field);
+        let read = (name.to_owned(), field.clone());
+        self.samples.borrow_mut().push(read);
+        Ok(field)
     }
 
     /// Reads the mesh with this file name.

@@ -1,10 +1,12 @@
-//! Large objects that the value of a shape depends on: height images and users' fields.
+//! Large objects that the value of a shape depends on: height images and users' fields. Sampled fields and meshes have
+//! files of their own.
 //!
 //! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. If the text
 //! does not define the gradient, the crate differentiates the text where possible. Only a GPU can evaluate a user's
 //! field. Tests on the CPU (whether a source is in a solid, where a walker may go) use samples of the field, which the
 //! GPU computes once when the field is checked; see `crate::tracer`.
 
+use super::sampled_field::SampledField;
 use super::user_glsl;
 use super::user_glsl::derivative::{self, Along};
 use crate::file_input::read;
@@ -25,6 +27,8 @@ pub(crate) enum Asset<'a> {
     Image(&'a Arc<HeightImage>),
     /// A user's field.
     User(&'a Arc<UserField>),
+    /// Distances sampled on a grid.
+    Samples(&'a Arc<SampledField>),
     /// The faces of a mesh.
     Mesh(&'a Arc<TriangleMesh>),
 }

@@ -147,6 +147,7 @@ macro_rules! every_part {
                 "Hyperboloid" hyperboloid::Hyperboloid,
                 "Quadric" quadric::GeneralQuadric,
                 "HeightField" height_field::HeightField,
+                "Grid" grid::Grid,
                 "Mesh" mesh::Mesh,
                 // The example in `docs/architecture.md`.
                 #[cfg(test)]

@@ -18,11 +18,13 @@ mod cone;
 mod cuboid;
 mod cylinder;
 mod ellipsoid;
+mod grid;
 mod half_space;
 mod height_field;
 mod hyperboloid;
 mod list;
 mod mesh;
+mod npy;
 #[cfg(test)]
 mod octahedron;
 mod operator;
@@ -35,6 +37,7 @@ mod quadric;
 mod room;
 mod rooms;
 mod rounded_box;
+mod sampled_field;
 mod sphere;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -55,6 +58,7 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::{CappedCylinder, Cylinder};
 pub use ellipsoid::Ellipsoid;
+pub use grid::Grid;
 pub use half_space::HalfSpace;
 pub use height_field::HeightField;
 pub use hyperboloid::Hyperboloid;
@@ -80,6 +84,7 @@ pub use quadric::GeneralQuadric;
 pub use room::Room;
 pub use rooms::{AirBox, Rooms, RoomsError};
 pub use rounded_box::RoundedBox;
+pub use sampled_field::SampledField;
 pub use sphere::Sphere;
 pub use torus::Torus;
 pub use user::User;
@@ -296,6 +301,7 @@ impl Shape {
             (Node::HeightField(one), Node::HeightField(other)) => {
                 one.size == other.size && one.image.has_heights_of(&other.image)
             }
+            (Node::Grid(one), Node::Grid(other)) => one.field.has_values_of(&other.field),
             (Node::Mesh(one), Node::Mesh(other)) => one.mesh.has_faces_of(&other.mesh),
             (one, other) => one == other,
         };

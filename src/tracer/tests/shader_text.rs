@@ -4,14 +4,14 @@
 //! for the scene, but only the names of included files under `glsl/`.
 
 use crate::scene::shape::{
-    CappedCylinder, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace,
+    CappedCylinder, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, Grid, HalfSpace,
     HeightField, Hyperboloid, Offset, Paraboloid, Plane, Prism, Room, RoundedBox, SmoothUnion,
     Sphere, Torus, Translate, User,
 };
-use crate::scene::{Driver, HeightImage, Motion, Node, Shape, UserField};
+use crate::scene::{Driver, HeightImage, Motion, Node, SampledField, Shape, UserField};
 use crate::tracer::{Pass, shader_text};
 use crate::{Listener, Profile, Scene, Settings, Source, Surface};
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, UVec3, Vec2, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -160,6 +160,8 @@ fn the_documented_shader_is_that_of_corner() {
 fn shapes() -> Vec<Shape> {
     let size = Vec3::new(1.0, 2.0, 3.0);
     let heights = HeightImage::new("h", UVec2::splat(2), vec![0.0, 0.5, 0.5, 1.0]).unwrap();
+    let values = vec![1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0, -1.0];
+    let samples = SampledField::new("s", UVec3::splat(2), 1.0, values).unwrap();
     let (radius, height) = (1.0, 2.0);
     let nodes = [
         Node::Plane(Plane),
@@ -200,6 +202,9 @@ fn shapes() -> Vec<Shape> {
             image: Arc::new(heights),
             size,
         }),
+        Node::Grid(Grid {
+            field: Arc::new(samples),
+        }),
         user(),
     ];
     let mut shapes: Vec<Shape> = nodes.into_iter().map(Shape::from).collect();
@@ -218,7 +223,7 @@ fn shapes() -> Vec<Shape> {
 fn building_blocks(name: &str) -> &'static [&'static str] {
     match name {
         // The bounds of these shapes are boxes.
-        "RoundedBox" | "HeightField" | "Field" => &["Box"],
+        "RoundedBox" | "HeightField" | "Grid" | "Field" => &["Box"],
         // A capsule has balls as its ends.
         "Capsule" => &["Sphere"],
         "CappedCylinder" => &["Cylinder"],

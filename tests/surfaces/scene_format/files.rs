@@ -2,9 +2,9 @@
 
 use super::text;
 use echomarch::Scene;
-use echomarch::scene::shape::{HeightField, User};
+use echomarch::scene::shape::{Grid, HeightField, User};
 use echomarch::scene::{HeightImage, Node, UserField};
-use glam::{UVec2, Vec3};
+use glam::{UVec2, UVec3, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -76,6 +76,25 @@ fn files_lie_beside_the_scene() {
         assert!((read - expected).abs() < 1e-4);
     }
 
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2, 3), }\n";
+    let mut npy = b"\x93NUMPY\x01\x00".to_vec();
+    npy.extend((header.len() as u16).to_le_bytes());
+    npy.extend(header.bytes());
+    npy.extend((0..12).flat_map(|n| (n as f32 - 6.0).to_le_bytes()));
+    write("ball.npy", &npy);
+    let scene = read("shape: Grid(file: \"ball.npy\", cell: 0.5)").unwrap();
+    let Node::Grid(Grid { field }) = &scene.surfaces[0].shape.node else {
+        panic!("{:?}", scene.surfaces[0]);
+    };
+    assert_eq!((field.size(), field.cell()), (UVec3::new(2, 2, 3), 0.5));
+    assert_eq!(field.values()[11], 5.0);
+    let written = ron::to_string(&scene).unwrap();
+    let again = Scene::from_ron(&written, "written").unwrap();
+    assert_eq!(
+        again.surfaces[0].shape, scene.surfaces[0].shape,
+        "{written}"
+    );
+
     write("hills.txt", b"no image");
     let refused = [
         (
@@ -90,6 +109,15 @@ fn files_lie_beside_the_scene() {
             "HeightField(image: \"hills.txt\", size: (1, 1, 1))",
             "hills.txt: ",
         ),
+        (
+            "Grid(file: \"none.npy\", cell: 0.1)",
+            "none.npy: No such file",
+        ),
+        (
+            "Grid(file: \"hills.txt\", cell: 0.1)",
+            "it is not a NumPy file",
+        ),
+        ("Grid(file: \"ball.npy\", cell: 0)", "its cell must be"),
         (
             "Field(file: \".\", lipschitz: 1, size: (1, 1, 1))",
             "directory",

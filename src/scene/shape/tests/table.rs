@@ -2,12 +2,12 @@
 
 use crate::scene::shape::{
     CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
-    GeneralQuadric, HalfSpace, HeightField, Hyperboloid, Intersection, Paraboloid, Plane, Prism,
-    Room, RoundedBox, Sphere, Torus, Union, User,
+    GeneralQuadric, Grid, HalfSpace, HeightField, Hyperboloid, Intersection, Paraboloid, Plane,
+    Prism, Room, RoundedBox, Sphere, Torus, Union, User,
 };
-use crate::scene::{HeightImage, Node, Shape, UserField};
+use crate::scene::{HeightImage, Node, SampledField, Shape, UserField};
 use crate::{Listener, Scene, Source, Surface};
-use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
+use glam::{DVec3, EulerRot, Quat, UVec2, UVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 /// An entry of the table.
@@ -39,7 +39,7 @@ impl Entry {
     }
 }
 
-const KINDS: usize = 34;
+const KINDS: usize = 35;
 
 /// The index of a node's kind. A new variant of `Node` does not compile until it has an index here. It also needs an
 /// increase of [`KINDS`] and an entry in [`shapes`] or [`operators`].
@@ -79,6 +79,7 @@ fn kind(node: &Node) -> usize {
         Node::Twist(_) => 31,
         Node::Bend(_) => 32,
         Node::Morph(_) => 33,
+        Node::Grid(_) => 34,
         Node::Octahedron(_) => unreachable!("an example that has its own test"),
         Node::Mesh(_) | Node::Rooms(_) => unreachable!(
             "it is no operand, and tests/surfaces compares it with all of its triangles"
@@ -127,6 +128,22 @@ fn hills() -> Shape {
     Node::HeightField(HeightField {
         image: Arc::new(image),
         size: Vec3::new(4.0, 0.7, 3.0),
+    })
+    .into()
+}
+
+/// A ball that another program sampled coarsely, off its centre.
+fn sampled() -> Shape {
+    let (side, cell) = (UVec3::new(9, 8, 7), 0.4);
+    let at = |index: u32| {
+        let (x, y, z) = (index / 56, index / 7 % 8, index % 7);
+        let p = (UVec3::new(x, y, z).as_vec3() - 0.5 * (side - 1).as_vec3()) * cell;
+        (p - Vec3::new(0.1, -0.05, 0.02)).length() - 0.8
+    };
+    let values = (0..side.element_product()).map(at).collect();
+    let field = SampledField::new("ball", side, cell, values).unwrap();
+    Node::Grid(Grid {
+        field: Arc::new(field),
     })
     .into()
 }
@@ -202,6 +219,7 @@ pub fn shapes() -> Vec<Shape> {
         quadric([1.0, 0.5, -0.6, 0.3, -0.4, 0.2, 0.1, -0.3, 0.2, -0.8]),
         quadric([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
         hills(),
+        sampled(),
     ]
 }
 

@@ -6,9 +6,9 @@
 //! difference or a shell exchanges air and solid.
 
 use super::copies::Axis;
-use super::value::{arguments, mirrored, quadric_steepness};
+use super::value::{arguments, asset_arguments, mirrored, quadric_steepness};
 use super::{CopyAxes, Place, Writer, keep_to_cells};
-use crate::scene::shape::{HeightField, Mirror, Repeat};
+use crate::scene::shape::{Mirror, Repeat};
 use crate::scene::{Copies, Node, Shape};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
@@ -213,15 +213,17 @@ impl Writer<'_> {
         let (name, sign) = (field.node.name_in_shaders(), side.sign());
         let more = arguments(&field.node, n);
         match &field.node {
-            Node::HeightField(HeightField { image, .. }) => {
-                let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
+            Node::HeightField(_) => {
+                let assets = asset_arguments(field, self.assets);
                 let bound = format!(
-                    "along{name}{}({p}, {d}{more}, {first}, ivec2({}, {}), {error_bound})",
-                    side.suffix(),
-                    size.x,
-                    size.y
+                    "along{name}{}({p}, {d}{more}{assets}, {error_bound})",
+                    side.suffix()
                 );
                 return self.bound(&format!("orPlain({bound}, {error_bound})"));
+            }
+            Node::Grid(_) => {
+                let assets = asset_arguments(field, self.assets);
+                return self.bound(&format!("plainAlong({sign} * sd{name}({p}{more}{assets}))"));
             }
             Node::User(_) => {
                 let value = format!("sd{}({p}{more})", self.shape_name(field));

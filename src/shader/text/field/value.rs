@@ -2,7 +2,7 @@
 
 use super::function_kind::{Kind, has_differences};
 use super::{Numbers, Place, Writer, has_slope, literal};
-use crate::scene::shape::{HeightField, Mirror, User};
+use crate::scene::shape::{Asset, Mirror, User};
 use crate::scene::{Node, Shape, UserField};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
@@ -196,13 +196,7 @@ impl<'a> Writer<'a> {
             self.shape_name(field),
             arguments(&field.node, numbers)
         );
-        if let Node::HeightField(HeightField { image, .. }) = &field.node {
-            let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
-            let _ = write!(call, ", {first}, ivec2({}, {})", size.x, size.y);
-        }
-        if let Some(mesh) = field.mesh() {
-            let _ = write!(call, ", {}", self.assets.mesh(mesh).unwrap_or(0));
-        }
+        call.push_str(&asset_arguments(field, self.assets));
         call.push(')');
         self.result(kind, &call)
     }
@@ -380,6 +374,23 @@ pub(super) fn quadric_steepness(node: &Node, p: &str, n: &[String]) -> (String, 
         _ => format!("2.0 * {diagonal} * {p}"),
     };
     (format!("length({gradient})"), n[n.len() - 1].clone())
+}
+
+/// The place and the size of a shape's samples in the scene's data as arguments of its functions, each with a comma
+/// before it.
+pub(super) fn asset_arguments(field: &Shape, assets: &Assets) -> String {
+    match field.node.asset() {
+        Some(Asset::Image(image)) => {
+            let (first, size) = (assets.image(image).unwrap_or(0), image.size());
+            format!(", {first}, ivec2({}, {})", size.x, size.y)
+        }
+        Some(Asset::Samples(field)) => {
+            let (first, size) = (assets.samples(field).unwrap_or(0), field.size());
+            format!(", {first}, ivec3({}, {}, {})", size.x, size.y, size.z)
+        }
+        Some(Asset::Mesh(mesh)) => format!(", {}", assets.mesh(mesh).unwrap_or(0)),
+        Some(Asset::User(_)) | None => String::new(),
+    }
 }
 
 /// A shape's numbers as arguments of its functions, each with a comma before it.

@@ -56,9 +56,10 @@ const OTHERWISE: [(&str, &str); 4] = [
 
 /// Pairs of a shape and another shape or operator that calls its functions. For example, a rounded box calls the
 /// functions of a box.
-const CALLERS: [(&str, &str); 5] = [
+const CALLERS: [(&str, &str); 6] = [
     ("Box", "RoundedBox"),
     ("Box", "HeightField"),
+    ("Box", "Grid"),
     ("Box", "Field"),
     ("Union", "Repeat"),
     ("Room", "Complement"),
