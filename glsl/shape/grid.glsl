@@ -1,8 +1,8 @@
 // Distances sampled on a grid, within a box.
 
 // The samples are in the scene's data from index `first`: x fastest, then y, then z. Each vector has the values at
-// (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1). Returns gradient and value of the trilinear interpolation, before
-// the division by the Lipschitz constant.
+// (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1). Returns gradient and value of the trilinear
+// interpolation.
 vec4 samplesAt(vec3 p, vec3 halfSize, int first, ivec3 size) {
     vec3 cells = vec3(size - 1);
     vec3 metres = 2.0 * halfSize / cells;
@@ -23,13 +23,13 @@ vec4 samplesAt(vec3 p, vec3 halfSize, int first, ivec3 size) {
     return vec4(growth / metres, mix(rows.x, rows.y, within.y));
 }
 
-float sdGrid(vec3 p, vec3 halfSize, float inverseLipschitz, int first, ivec3 size) {
+float sdGrid(vec3 p, vec3 halfSize, int first, ivec3 size) {
     float value = samplesAt(clamp(p, -halfSize, halfSize), halfSize, first, size).w;
-    return max(value * inverseLipschitz, sdBox(p, halfSize));
+    return max(value, sdBox(p, halfSize));
 }
 
-vec4 gdGrid(vec3 p, vec3 halfSize, float inverseLipschitz, int first, ivec3 size) {
-    vec4 inside = samplesAt(clamp(p, -halfSize, halfSize), halfSize, first, size) * inverseLipschitz;
+vec4 gdGrid(vec3 p, vec3 halfSize, int first, ivec3 size) {
+    vec4 inside = samplesAt(clamp(p, -halfSize, halfSize), halfSize, first, size);
     float outside = sdBox(p, halfSize);
     if (outside > inside.w) {
         return vec4(gradientBox(p, halfSize), outside);

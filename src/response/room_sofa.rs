@@ -18,9 +18,6 @@ use std::{io, iter};
 /// samples are noise.
 const DEFLATE_LEVEL: u8 = 4;
 
-/// Maximum number of samples of all measurements of a file, 2^27. They take 1 GiB in the file before compression.
-const MOST_SAMPLES: usize = 134_217_728;
-
 /// An impulse response, and the places and directions of its source and its listener.
 ///
 /// ```
@@ -41,6 +38,8 @@ const MOST_SAMPLES: usize = 134_217_728;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoomMeasurement {
+    /// Names of the source and the listener, for the comment of the file.
+    pub name: String,
     /// Position of the source in metres, world axes.
     pub source_position: DVec3,
     /// Axes of the source.
@@ -54,13 +53,22 @@ pub struct RoomMeasurement {
 }
 
 impl RoomMeasurement {
+    /// Maximum number of samples of all measurements of a file, 2^27. They take 1 GiB before compression.
+    pub const MOST_SAMPLES: usize = 134_217_728;
+
     /// The impulse response of a pair.
     ///
     /// # Errors
     /// [`ResponseError::BadAxes`] if the axes of the source or the listener are not finite.
     pub fn of(pair: Pair, impulse: ImpulseResponse) -> Result<RoomMeasurement, ResponseError> {
         let (source, listener) = (pair.source(), pair.listener());
+        let (source_index, listener_index) = pair.indices();
+        let [mut sources, mut listeners] =
+            [pair.scene().source_labels(), pair.scene().listener_labels()];
+        let from = sources.swap_remove(source_index);
+        let to = listeners.swap_remove(listener_index);
         Ok(RoomMeasurement {
+            name: format!("{from} at {to}"),
             source_position: source.position.as_dvec3(),
             source_axes: axes_of(source)?,
             listener_position: listener.position.as_dvec3(),
@@ -121,15 +129,22 @@ fn bytes(title: &str, measurements: &[RoomMeasurement]) -> Result<Vec<u8>, SofaP
         return Err(SofaProblem::NotOneSet { what });
     }
     let samples = measurements.len() * first.impulse.channels().len() * longest(measurements);
-    if samples > MOST_SAMPLES {
+    if samples > RoomMeasurement::MOST_SAMPLES {
         return Err(SofaProblem::TooManySamples {
             samples,
-            limit: MOST_SAMPLES,
+            limit: RoomMeasurement::MOST_SAMPLES,
         });
     }
     write(title, first.impulse.format(), measurements).map_err(|error| SofaProblem::NotWritten {
         reason: io::Error::other(error),
     })
+}
+
+/// The names of all measurements, by number.
+fn comment(measurements: &[RoomMeasurement]) -> String {
+    let numbered = (1..).zip(measurements);
+    let names = numbered.map(|(number, one)| format!("{number}: {}", one.name));
+    names.collect::<Vec<String>>().join("; ")
 }
 
 /// The number of samples of the longest channel.
@@ -140,7 +155,7 @@ fn longest(measurements: &[RoomMeasurement]) -> usize {
 
 fn write(title: &str, format: &Format, measurements: &[RoomMeasurement]) -> Result<Vec<u8>, Error> {
     let mut file = SofaBuilder::new(measurements.len(), format.channels(), longest(measurements))?;
-    file.add_globals(title, format)?;
+    file.add_globals(title, format, &comment(measurements))?;
     file.add_places(measurements)?;
     file.add_receivers(format)?;
     file.add_samples(measurements)?;
@@ -184,7 +199,7 @@ impl SofaBuilder {
         })
     }
 
-    fn add_globals(&mut self, title: &str, format: &Format) -> Result<(), Error> {
+    fn add_globals(&mut self, title: &str, format: &Format, comment: &str) -> Result<(), Error> {
         let now = Utc::now().format("%Y-%m-%d %H:%M:%S").to_string();
         let globals = [
             ("Conventions", "SOFA"),
@@ -195,6 +210,7 @@ impl SofaBuilder {
             ("RoomType", "reverberant"),
             ("RoomDescription", "a simulated scene"),
             ("Title", title),
+            ("Comment", comment),
             ("DatabaseName", title),
             ("DateCreated", &now),
             ("DateModified", &now),
@@ -356,6 +372,7 @@ mod tests {
         settings.format = format;
         let silence = Echogram::new(0.001, 1).unwrap();
         RoomMeasurement {
+            name: "flute at seat".to_owned(),
             source_position: DVec3::new(1.0, 2.0, 3.0),
             source_axes: ListenerAxes::new(DVec3::NEG_Z, DVec3::Y).unwrap(),
             listener_position: DVec3::new(-4.0, 5.0, -6.0),
@@ -397,6 +414,8 @@ mod tests {
         let globals = file.root().attrs().unwrap();
         assert_eq!(globals["SOFAConventions"].as_str(), Some("SingleRoomSRIR"));
         assert_eq!(globals["Title"].as_str(), Some("a room"));
+        let names = "1: flute at seat; 2: flute at seat";
+        assert_eq!(globals["Comment"].as_str(), Some(names));
     }
 
     /// Protects callers from files with mixed channels, and from empty files.

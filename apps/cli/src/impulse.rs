@@ -20,7 +20,7 @@ use echomarch::audio::Sound;
 use echomarch::hrtf::HrirSet;
 use echomarch::internals::file_output::{check_file, write_whole};
 use echomarch::response::{AmbisonicOrder, Format, ImpulseSettings, ResponseError};
-use echomarch::response::{Response, ResponseSettings, Round};
+use echomarch::response::{Response, ResponseSettings, RoomMeasurement, Round};
 use echomarch::scene::Pair;
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
 use file_names::FileNames;
@@ -131,6 +131,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let names = FileNames::of(&pairs);
     arguments.check_files(&names)?;
     let format = arguments.format()?;
+    arguments.check_sofa(pairs.len() * format.channels())?;
     let mut tracer = common.tracer()?;
     notes::tell_first(common, &scene);
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
@@ -250,6 +251,22 @@ impl Arguments {
             f64::from(most),
         )?;
         Ok(())
+    }
+
+    /// Checks the size of a SOFA file with this number of channels of all pairs, if the length of a response is known.
+    fn check_sofa(&self, channels: usize) -> Result<(), BadInput> {
+        let is_sofa = self.output.as_deref().is_some_and(is_sofa);
+        let (Some(seconds), true) = (self.seconds, is_sofa) else {
+            return Ok(());
+        };
+        let samples = channels as f64 * (seconds * f64::from(self.rate)).ceil();
+        let limit = RoomMeasurement::MOST_SAMPLES;
+        if samples <= limit as f64 {
+            return Ok(());
+        }
+        Err(BadInput(format!(
+            "a SOFA file has at most {limit} samples, but these responses have {samples}: choose fewer pairs or channels, a lower --rate or a shorter response"
+        )))
     }
 
     /// Checks that all output files can be written.

@@ -516,6 +516,7 @@ impl Heard {
 
     fn measurement(&self, impulse: ImpulseResponse) -> PyResult<RoomMeasurement> {
         Ok(RoomMeasurement {
+            name: format!("{} at {}", self.source, self.listener),
             source_position: Vec3::from(self.source_position).as_dvec3(),
             source_axes: axes(self.source_view)?,
             listener_position: Vec3::from(self.listener_position).as_dvec3(),

@@ -127,7 +127,7 @@ pub enum SofaProblem {
         limit: usize,
     },
     /// The file cannot be written.
-    #[error("{reason}")]
+    #[error("it cannot be written: {reason}")]
     NotWritten {
         /// The operating system's error.
         reason: std::io::Error,

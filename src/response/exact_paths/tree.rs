@@ -124,7 +124,7 @@ impl<'a> Search<'a> {
 
     /// Adds the subtree's own level as a sheet.
     fn differenced(&mut self, shape: &'a Shape, way: Way) {
-        if shape.nodes().iter().any(|tree| tree.node.user().is_some()) {
+        if shape.nodes().iter().any(|tree| tree.node.is_sampled()) {
             self.is_sampled = true;
             return;
         }
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
     }
 
     fn leaf(&mut self, shape: &'a Shape, way: Way) {
-        if shape.node.user().is_some() {
+        if shape.node.is_sampled() {
             self.is_sampled = true;
             return;
         }

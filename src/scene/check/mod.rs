@@ -1,11 +1,18 @@
 //! Checks of a scene: errors if it cannot be traced, warnings if it is unusual.
 
+/// Whether all values are in the solid; `None` if some are in the air and some in the solid.
+fn one_side(values: &[f32]) -> Option<bool> {
+    let is_solid = values.iter().all(|value| *value <= 0.0);
+    let is_air = values.iter().all(|value| *value >= 0.0);
+    (is_solid || is_air).then_some(is_solid)
+}
+
 #[cfg(test)]
 mod tests;
 
 use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::directivity::OMNI_SHARES;
-use super::shape::{LARGEST, Rooms};
+use super::shape::{Asset, LARGEST, Rooms};
 use super::{
     Directivity, Listener, Material, MaterialDriver, Motion, Node, Path, ROUNDING, Scene,
     SceneError, Source, Surface, Transmission, Warning,
@@ -576,23 +583,27 @@ impl Scene {
         warnings
     }
 
-    /// Warns about users' fields that are all solid or all air.
+    /// Warns about users' fields and sampled fields that are all solid or all air.
     fn one_sided_fields(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
-            let nodes = surface.shape.nodes();
-            for user in nodes.iter().filter_map(|node| node.node.user()) {
-                let Some(samples) = user.samples() else {
-                    continue;
+            for node in surface.shape.nodes() {
+                let (file, solid) = match node.node.asset() {
+                    Some(Asset::User(user)) => {
+                        let samples = user.samples();
+                        let solid = samples.and_then(|samples| one_side(&samples.values));
+                        (user.file.display().to_string(), solid)
+                    }
+                    Some(Asset::Samples(field)) => {
+                        (field.name().to_owned(), one_side(field.values()))
+                    }
+                    _ => continue,
                 };
-                let solid = samples.values.iter().all(|value| *value < 0.0);
-                if solid || samples.values.iter().all(|value| *value > 0.0) {
-                    warnings.push(Warning::OneSided {
-                        surface: surface.label(index),
-                        file: user.file.display().to_string(),
-                        solid,
-                    });
-                }
+                warnings.extend(solid.map(|solid| Warning::OneSided {
+                    surface: surface.label(index),
+                    file,
+                    solid,
+                }));
             }
         }
         warnings

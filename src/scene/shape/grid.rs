@@ -54,20 +54,18 @@ impl Part for Grid {
         Properties {
             symmetric: [false; 3],
             ..Properties::bound(Bounds3::centred(self.field.half_size()))
+                .growing(self.field.lipschitz())
         }
     }
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
-        let half = self.field.half_size();
-        let value = self.field.at(p) / self.field.lipschitz();
-        value.max(box_value(p, half))
+        self.field.at(p).max(box_value(p, self.field.half_size()))
     }
 
-    /// Half the size, and the factor that makes the value a bound of the distance.
+    /// Half the size.
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        let half = self.field.half_size();
-        vec![half.x, half.y, half.z, 1.0 / self.field.lipschitz()]
+        self.field.half_size().to_array().to_vec()
     }
 
-    arguments!(3, 1);
+    arguments!(3);
 }

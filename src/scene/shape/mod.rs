@@ -137,6 +137,11 @@ impl Node {
         }
     }
 
+    /// Whether the CPU knows only samples of the value: its curvature is unknown.
+    pub(crate) fn is_sampled(&self) -> bool {
+        matches!(self.asset(), Some(Asset::User(_) | Asset::Samples(_)))
+    }
+
     /// See [`Part::asset`].
     pub(crate) fn asset(&self) -> Option<Asset<'_>> {
         self.part().asset()

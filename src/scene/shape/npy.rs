@@ -23,14 +23,14 @@ pub(super) struct Array3 {
 /// # Errors
 /// The reason why the file cannot be used.
 pub(super) fn read(bytes: &[u8], limit: usize) -> Result<Array3, String> {
-    let (header, data) = parts(bytes).ok_or("it is not a NumPy file (.npy)")?;
+    let (header, data) = parts(bytes).ok_or("it is not a NumPy file: write it by numpy.save")?;
     let header = Header::parse(header)?;
     let within = |count: &usize| *count <= limit;
     let product = |all: usize, side: &usize| all.checked_mul(*side).filter(within);
     let Some(count) = header.shape.iter().try_fold(1, product) else {
         let [x, y, z] = header.shape;
         return Err(format!(
-            "it has {x} × {y} × {z} samples, but at most {limit} are read"
+            "it has {x} × {y} × {z} samples, but at most {limit} are read: use larger cells"
         ));
     };
     let width = header.kind.width();
@@ -124,7 +124,7 @@ impl Header {
             Some("<f8") => Kind::LittleF64,
             Some(">f8") => Kind::BigF64,
             _ => {
-                let why = "its elements are not floats of 32 or 64 bits: save it as float32";
+                let why = "its elements are not floats of 32 or 64 bits: save distances as float32";
                 return Err(why.to_owned());
             }
         };
@@ -143,7 +143,7 @@ impl Header {
         Ok(Header {
             kind,
             is_fortran: order.starts_with("True"),
-            shape: shape.ok_or("it must have three axes: x, y, z")?,
+            shape: shape.ok_or("its header must state the sizes of three axes: x, y, z")?,
         })
     }
 }

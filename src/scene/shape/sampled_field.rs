@@ -81,7 +81,7 @@ impl SampledField {
         let is_usable = |value: &&f32| value.abs() <= GREATEST_M;
         if let Some(value) = values.iter().find(|value| !is_usable(value)) {
             return refused(format!(
-                "it contains {value}: distances of at most 1e6 m are needed"
+                "it contains {value:e}: distances of at most 1e6 m are needed"
             ));
         }
         let mut field = SampledField {
@@ -277,7 +277,7 @@ mod tests {
             (two, 0.0, vec![0.0; 8], "its cell must be"),
             (two, f32::NAN, vec![0.0; 8], "its cell must be"),
             (two, 0.1, vec![f32::NAN; 8], "it contains NaN"),
-            (two, 0.1, vec![1e7; 8], "it contains 10000000"),
+            (two, 0.1, vec![1e7; 8], "it contains 1e7"),
         ];
         for (size, cell, values, told) in cases {
             let why = SampledField::new("f.npy", size, cell, values)

@@ -43,9 +43,13 @@ fn a_sofa_file_has_the_samples_of_all_pairs() {
     }
 }
 
-/// Protects users who mistype the name: both endings are named, before anything is traced.
+/// Protects users who mistype the name or ask for too much: both is told before anything is traced.
 #[test]
 fn a_file_with_another_ending_is_refused() {
     let told = "must end in .wav or .sofa";
     refuse(&["impulse", "shoebox", "-o", "ir.netcdf"], told);
+    let long = ["--seconds", "60", "--rate", "192000"];
+    let wide = ["--format", "ambisonic", "--ambisonic-order", "7"];
+    let call = ["impulse", "shoebox", "-o", "ir.sofa"];
+    refuse(&[&call[..], &long, &wide].concat(), "have 737280000");
 }

@@ -83,10 +83,11 @@ pub(in crate::shader) fn leaps(field: &Shape) -> u64 {
     LEAPS * repetitions.count() as u64
 }
 
-/// Whether a field has a bound along lines in addition to its value: a user's text has none.
+/// Whether a field has a bound along lines in addition to its value: a user's text has none, and neither have sampled
+/// distances.
 pub(in crate::shader) fn is_bounded(field: &Shape) -> bool {
     let known = |node: &Shape| match node.node {
-        Node::Twist(_) | Node::Bend(_) => false,
+        Node::Twist(_) | Node::Bend(_) | Node::Grid(_) => false,
         Node::Repeat(_) => keep_to_cells(node),
         _ => true,
     };
@@ -220,10 +221,6 @@ impl Writer<'_> {
                     side.suffix()
                 );
                 return self.bound(&format!("orPlain({bound}, {error_bound})"));
-            }
-            Node::Grid(_) => {
-                let assets = asset_arguments(field, self.assets);
-                return self.bound(&format!("plainAlong({sign} * sd{name}({p}{more}{assets}))"));
             }
             Node::User(_) => {
                 let value = format!("sd{}({p}{more})", self.shape_name(field));
