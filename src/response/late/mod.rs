@@ -28,9 +28,8 @@ use crate::error::Error;
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Pair;
-use crate::shader;
 use crate::tracer::{
-    ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer, Transmitting,
+    self, ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer, Transmitting,
     WavesToFollow,
 };
 use glam::Vec3;
@@ -101,7 +100,7 @@ pub(super) fn tallies(
     let mut added = Added::none(&tallies);
     let wide = |one: &Heard| one.late.detector(one.pair.listener);
     let detectors: Vec<Detector> = heard.iter().map(wide).collect();
-    for (group, bands) in shader::band_groups(first.pair.scene)
+    for (group, bands) in tracer::resampled_band_groups(first.pair.scene)
         .into_iter()
         .enumerate()
     {

@@ -10,8 +10,8 @@
 
 use super::Heard;
 use crate::scene::Pair;
-use crate::shader::{self, Materials};
-use crate::tracer::{ArrivalSettings, Directions};
+use crate::shader::Materials;
+use crate::tracer::{self, ArrivalSettings, Directions};
 use std::ops::Range;
 
 /// The waves of the onset.
@@ -47,7 +47,7 @@ impl Onset {
         let scatters = |bands: &Range<usize>| Materials::of(pair.scene, bands.clone()).scatter();
         let starts_evenly = pair.source.directivity.is_omnidirectional()
             && directions == Directions::Random
-            && shader::band_groups(pair.scene).iter().all(scatters);
+            && tracer::resampled_band_groups(pair.scene).iter().all(scatters);
         let length_s = (Onset::SHARE * seconds).max(LEAST_S);
         let share = (direct_s + length_s) / seconds;
         (starts_evenly && share <= MOST).then_some((length_s, share))

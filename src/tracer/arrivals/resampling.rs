@@ -15,6 +15,9 @@
 
 use super::replay::Block;
 use crate::bands::{self, BAND_COUNT};
+use crate::scene::Scene;
+use crate::shader;
+use std::ops::Range;
 
 /// Iterations of a chunk after which waves may be resampled. A flutter echo between distant walls must be split before it
 /// is far ahead of other waves. In the scene flat the standard deviation of T30 over six seeds, with 16,384 waves, was
@@ -38,6 +41,11 @@ const MOST_AHEAD: f64 = 7.0;
 
 /// Minimum number of travelling waves that are resampled.
 const LEAST_WAVES: usize = 64;
+
+/// Groups of bands, each traced by separate waves, which are resampled.
+pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
+    shader::band_groups(scene, Some(ITERATIONS_BEFORE_RESAMPLING))
+}
 
 impl Block {
     /// Whether a wave is much more important than others.
