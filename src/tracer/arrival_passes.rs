@@ -394,10 +394,10 @@ impl Tracer {
             arrivals += block.replay(&run.replay, &chunk, passages, take);
             // Resampling needs the energies at the end of this chunk, so the next chunk waits for them.
             if let Some(next) = next.as_mut().filter(|_| run.resamples) {
-                next.is_resampled = block.is_uneven();
-                if next.is_resampled {
-                    let random = run.random(waves.first(), next.first_iteration);
-                    targets.upload_originals(&block.resample(random))?;
+                let random = run.random(waves.first(), next.first_iteration);
+                if let Some(originals) = block.resample(random) {
+                    targets.upload_originals(&originals)?;
+                    next.is_resampled = true;
                 }
                 self.draw_chunk(run, &targets, next)?;
             }

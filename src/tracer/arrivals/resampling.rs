@@ -48,26 +48,20 @@ pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
 }
 
 impl Block {
-    /// Whether a wave is much more important than others.
-    pub fn is_uneven(&self) -> bool {
+    /// Replaces the travelling waves by as many waves of about equal energy, if a wave is much more important than others.
+    /// `random` is uniform in 0 … 1. Returns the original's texel for each texel of the grid.
+    pub fn resample(&mut self, random: f64) -> Option<Vec<u32>> {
         let travelling = self.travelling();
         if travelling.len() < LEAST_WAVES {
-            return false;
+            return None;
         }
         let importance = self.importance(&travelling);
-        let sum: f64 = importance.iter().sum();
-        let mean = sum / travelling.len() as f64;
-        importance.iter().any(|one| *one > MOST_TIMES_MEAN * mean)
-    }
-
-    /// Replaces the travelling waves by as many waves of about equal energy. `random` is uniform in 0 … 1. Returns the
-    /// original's texel for each texel of the grid.
-    pub fn resample(&mut self, random: f64) -> Vec<u32> {
-        let travelling = self.travelling();
-        let importance = self.importance(&travelling);
+        let per_copy = importance.iter().sum::<f64>() / travelling.len() as f64;
+        if !(importance.iter()).any(|one| *one > MOST_TIMES_MEAN * per_copy) {
+            return None;
+        }
         let mut originals = Vec::with_capacity(travelling.len());
         let mut energies = Vec::with_capacity(travelling.len());
-        let per_copy = importance.iter().sum::<f64>() / travelling.len() as f64;
         let (mut upto, mut next) = (0.0, random);
         for (wave, importance) in travelling.iter().zip(&importance) {
             let expected = importance / per_copy;
@@ -92,7 +86,7 @@ impl Block {
             originals.push(*last);
             energies.push([0.0; BAND_COUNT]);
         }
-        self.replace(&travelling, &originals, energies)
+        Some(self.replace(&travelling, &originals, energies))
     }
 
     /// The importance of each travelling wave, up to a common factor.
@@ -163,12 +157,12 @@ mod tests {
     #[test]
     fn resampling_keeps_the_energy_and_evens_the_waves() {
         let before = total(&block());
-        assert!(block().is_uneven());
         let mut sum = 0.0;
         for trial in 0..100 {
             let mut block = block();
-            let originals = block.resample(unit_interval(hash(trial)));
-            assert!(!block.is_uneven());
+            let random = unit_interval(hash(trial));
+            let originals = block.resample(random).expect("uneven waves");
+            assert!(block.resample(random).is_none());
             assert_eq!(originals.len(), 1024);
             sum += total(&block) / 100.0;
         }
