@@ -42,6 +42,7 @@ mod diagnosis;
 mod diffraction;
 mod duration;
 mod early_part;
+mod early_sound;
 mod echogram;
 mod effort;
 mod error;

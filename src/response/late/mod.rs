@@ -68,8 +68,6 @@ pub(super) struct Arrivals {
     /// The possible bias from the larger sphere alone: one standard deviation of the energy.
     pub bias: Echogram,
     pub counts: ArrivalCounts,
-    /// Early arrivals, counted in the listener's own sphere.
-    pub early: Vec<Arrival>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,
 }
@@ -110,7 +108,8 @@ pub(super) fn tallies(
             ..how.with_least_energy(LEAST_ENERGY)
         };
         if has_near {
-            early::trace(tracer, heard, settings, &how, (group, &mut tallies))?;
+            let (early, with) = (further.early.clone(), (settings, &how));
+            early::trace(tracer, heard, early, with, (group, &mut tallies))?;
             how.iterations_in_chunk = early::chunk(heard, &tallies, group, &how);
         }
         let mut early = vec![Vec::new(); heard.len()];

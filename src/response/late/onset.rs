@@ -17,9 +17,8 @@ use std::ops::Range;
 /// The waves of the onset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Onset {
-    /// Number of waves that are followed to the record's end.
-    pub followed: u32,
-    /// Number of waves that are followed through the onset, including those.
+    /// Number of waves that are followed through the onset, including the late waves, which are followed to the record's
+    /// end.
     pub waves: u32,
     /// Length of the onset after the direct sound, in seconds.
     pub seconds: f64,

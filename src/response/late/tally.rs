@@ -128,9 +128,7 @@ pub(in crate::response) struct Tally {
     /// Sound scattered after few reflections, if other waves than those of late arrivals trace early arrivals.
     pub(super) near: Option<NearScattering>,
     /// Early arrivals, counted in the listener's own sphere.
-    pub(super) early: Vec<Arrival>,
-    /// The numbers of the waves of early arrivals that are traced next. Those before are traced.
-    pub(super) further_early: Range<u32>,
+    pub(in crate::response) early: Vec<Arrival>,
     /// The waves that are followed to the record's end, by band group.
     followed: Vec<Followed>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
@@ -138,7 +136,9 @@ pub(in crate::response) struct Tally {
     /// Mean crossings of the listener's own sphere per wave and iteration, by band group, from the waves of early
     /// arrivals.
     pub(super) crossings: Vec<f64>,
-    /// Numbers of the traced waves.
+    /// Number of the traced waves of early arrivals.
+    early_waves: u32,
+    /// Numbers of the traced late waves.
     waves: WaveCounts,
 }
 
@@ -150,17 +150,17 @@ impl Tally {
             sums: Sums::none(one, echogram, has_near),
             near: has_near.then(|| NearScattering::new(one.pair, &one.late, echogram)),
             early: Vec::new(),
-            further_early: 0..0,
             followed: Vec::new(),
             travel_on: None,
             crossings: Vec::new(),
+            early_waves: 0,
             waves: WaveCounts::default(),
         }
     }
 
     /// The waves of these settings that are not traced yet.
     pub(super) fn further(&self, settings: &ResponseSettings) -> FurtherWaves {
-        let early = self.further_early.end;
+        let early = self.early_waves;
         FurtherWaves {
             early: early..settings.trace.waves.max(early),
             ..WaveCounts::of(settings).beyond(self.waves)
@@ -169,7 +169,7 @@ impl Tally {
 
     /// Prepares the early arrivals for further waves: their energies become shares of the energy of all of them.
     pub(super) fn begin(&mut self, further: &FurtherWaves) {
-        self.further_early = further.early.clone();
+        self.early_waves = further.early.end;
         if further.early.is_empty() {
             return;
         }
@@ -218,7 +218,7 @@ impl Tally {
         self.waves = after;
     }
 
-    /// The arrivals, with the sound scattered after few reflections.
+    /// The late arrivals, with the sound scattered after few reflections.
     pub fn arrivals(&self) -> Arrivals {
         let sums = &self.sums;
         let mut echogram = sums.echogram.clone();
@@ -238,7 +238,6 @@ impl Tally {
             inner: sums.inner.clone(),
             bias,
             counts: counts.fold(ArrivalCounts::of_none(), ArrivalCounts::and),
-            early: self.early.clone(),
             travel_on: self.travel_on,
         }
     }
