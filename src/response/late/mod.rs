@@ -29,8 +29,8 @@ use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Pair;
 use crate::tracer::{
-    self, ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer, Transmitting,
-    WavesToFollow,
+    self, ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer,
+    Transmitting, WavesToFollow,
 };
 use glam::Vec3;
 use importance::Importance;

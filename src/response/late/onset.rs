@@ -46,7 +46,9 @@ impl Onset {
         let scatters = |bands: &Range<usize>| Materials::of(pair.scene, bands.clone()).scatter();
         let starts_evenly = pair.source.directivity.is_omnidirectional()
             && directions == Directions::Random
-            && tracer::resampled_band_groups(pair.scene).iter().all(scatters);
+            && tracer::resampled_band_groups(pair.scene)
+                .iter()
+                .all(scatters);
         let length_s = (Onset::SHARE * seconds).max(LEAST_S);
         let share = (direct_s + length_s) / seconds;
         (starts_evenly && share <= MOST).then_some((length_s, share))

@@ -4,7 +4,7 @@
 //! mean over all waves, the later bins the mean over the waves that are followed to the record's end. The waves of early
 //! arrivals, which find exact paths, are extended in the same way.
 
-use super::inner::Difference;
+use super::inner::{self, Difference};
 use super::sphere::NearScattering;
 use super::{Arrivals, Heard};
 use crate::bands::BAND_COUNT;
@@ -69,8 +69,8 @@ pub(super) struct Sums {
     pub echogram: Echogram,
     /// Arrivals that have passed solids and were not reflected.
     pub straight: Echogram,
-    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
-    pub inner: Option<Difference>,
+    /// The arrivals of `echogram` in the inner sphere, if the two spheres are compared.
+    pub inner: Option<Echogram>,
     /// Sound scattered after few reflections, in the sphere of late arrivals, if other waves trace early arrivals.
     pub near: Option<Echogram>,
 }
@@ -81,7 +81,7 @@ impl Sums {
         Sums {
             echogram: like.without_arrivals(),
             straight: like.without_arrivals(),
-            inner: (one.late.inner_m.is_some()).then(|| Difference::none(like)),
+            inner: (one.late.inner_m.is_some()).then(|| like.without_arrivals()),
             near: has_near.then(|| like.without_arrivals()),
         }
     }
@@ -90,20 +90,18 @@ impl Sums {
     pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
         medium.add(&mut self.echogram, arrival);
         if let Some(inner) = &mut self.inner {
-            inner.add(medium, arrival);
+            inner::add(inner, medium, arrival);
         }
     }
 
     fn echograms(&self) -> impl Iterator<Item = &Echogram> {
-        let inner = self.inner.iter().flat_map(Difference::echograms);
         let own = [&self.echogram, &self.straight];
-        own.into_iter().chain(&self.near).chain(inner)
+        own.into_iter().chain(&self.near).chain(&self.inner)
     }
 
     fn echograms_mut(&mut self) -> impl Iterator<Item = &mut Echogram> {
-        let inner = self.inner.iter_mut().flat_map(Difference::echograms_mut);
         let own = [&mut self.echogram, &mut self.straight];
-        own.into_iter().chain(&mut self.near).chain(inner)
+        own.into_iter().chain(&mut self.near).chain(&mut self.inner)
     }
 
     /// Scales the bins before `until` by `before`, and the later bins by `after`.
@@ -235,7 +233,10 @@ impl Tally {
             echogram,
             in_own_sphere,
             straight: sums.straight.clone(),
-            inner: sums.inner.clone(),
+            inner: sums.inner.as_ref().map(|inner| Difference {
+                wide: sums.echogram.clone(),
+                inner: inner.clone(),
+            }),
             bias,
             counts: counts.fold(ArrivalCounts::of_none(), ArrivalCounts::and),
             travel_on: self.travel_on,
