@@ -92,7 +92,7 @@ impl<'a> Listeners<'a> {
         let began = Instant::now();
         let seconds = settings.seconds_of_pairs(tracer, &self.pairs())?;
         let traced = self.trace(tracer, settings, seconds)?;
-        let milliseconds = began.elapsed().as_secs_f64() * 1e3;
+        let milliseconds = began.elapsed().as_secs_f64() * 1e3 / traced.len().max(1) as f64;
         let timed = |traced: Traced| Response {
             milliseconds,
             ..traced.response
