@@ -6,9 +6,9 @@ use super::{Arrival, ImpulseSettings, ResponseSettings, transmission};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::scene::{IntoPair, Pair};
-use crate::shader::{self, Materials};
+use crate::shader::Materials;
 use crate::tracer::{
-    ArrivalCounts, ArrivalSettings, Detector, SolidHit, Tracer, Transmitting, WavesToFollow,
+    self, ArrivalCounts, ArrivalSettings, Detector, SolidHit, Tracer, Transmitting, WavesToFollow,
 };
 use std::cell::RefCell;
 
@@ -156,7 +156,7 @@ impl Decay {
         };
         let how = ArrivalSettings::new(settings.longest_s).with_least_energy(LEAST_ENERGY);
         let mut counts = ArrivalCounts::of_none();
-        for bands in shader::band_groups(pair.scene) {
+        for bands in tracer::resampled_band_groups(pair.scene) {
             let is_scattered = Materials::of(pair.scene, bands.clone()).scatter();
             let waves = match is_scattered && waves == WAVES {
                 true => WAVES_SCATTERED,

@@ -141,7 +141,6 @@ impl Effort {
     /// number of followed waves if it is smaller.
     pub fn settings(self, settings: &ResponseSettings) -> ResponseSettings {
         let onset = self.onset.map(|onset| Onset {
-            followed: self.waves,
             waves: self.onset_waves,
             seconds: onset.length_s,
         });

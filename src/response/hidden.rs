@@ -103,9 +103,9 @@ impl Hidden {
     }
 
     /// All paths.
-    pub fn into_paths(self) -> impl Iterator<Item = HeardPath> {
-        let reflected = self.reflected.into_iter().flat_map(|bent| bent.paths);
-        self.around.into_iter().chain(reflected).chain(self.through)
+    pub fn paths(&self) -> impl Iterator<Item = &HeardPath> {
+        let reflected = self.reflected.iter().flat_map(|bent| &bent.paths);
+        self.around.iter().chain(reflected).chain(&self.through)
     }
 }
 

@@ -42,6 +42,7 @@ mod diagnosis;
 mod diffraction;
 mod duration;
 mod early_part;
+mod early_sound;
 mod echogram;
 mod effort;
 mod error;
@@ -162,7 +163,8 @@ pub struct Response {
     /// The requested accuracy ([`Accuracy::share`]); `None` without one.
     #[serde(default)]
     pub accuracy: Option<f64>,
-    /// Total time in milliseconds, including the compilation of new shaders.
+    /// Time in milliseconds, including the compilation of new shaders. Listeners that share waves share their time in equal
+    /// parts.
     pub milliseconds: f64,
     /// The part of `milliseconds` that diffraction took. It hardly depends on the number of waves. 0 without
     /// diffraction.

@@ -39,15 +39,17 @@ pub(super) fn trace(
     let mut open_indices: Vec<usize> = (0..pairs.len()).collect();
     let seconds = settings.seconds_of_pairs(tracer, &pairs)?;
     let mut next = Effort::first(&pairs, settings, accuracy, seconds);
-    let mut tallies_began_s = 0.0;
+    let (mut elapsed_s, mut tallies_began_s) = (0.0, 0.0);
     for round in 1.. {
         let of_round = next.settings(settings);
-        let before_s = began.elapsed().as_secs_f64();
+        let (told_s, before_s) = (elapsed_s, began.elapsed().as_secs_f64());
         let mut traced = open.trace(tracer, &of_round, next.seconds)?;
-        let elapsed_s = began.elapsed().as_secs_f64();
-        for traced in &mut traced {
+        elapsed_s = began.elapsed().as_secs_f64();
+        let share_s = (elapsed_s - told_s) / traced.len().max(1) as f64;
+        for (traced, index) in traced.iter_mut().zip(&open_indices) {
+            let before_ms = last[*index].as_ref().map_or(0.0, |last| last.milliseconds);
             traced.response.accuracy = Some(accuracy.share);
-            traced.response.milliseconds = elapsed_s * 1e3;
+            traced.response.milliseconds = before_ms + share_s * 1e3;
         }
         let mut further: Vec<Option<Effort>> = match round == MOST_ROUNDS {
             true => vec![None; traced.len()],
@@ -69,7 +71,7 @@ pub(super) fn trace(
                     last_s: elapsed_s - before_s,
                     extended_s: keeps_waves.then_some(elapsed_s - tallies_began_s),
                 };
-                wanted.fitting(limit_s - elapsed_s, next, took)
+                wanted.fitting(limit_s - began.elapsed().as_secs_f64(), next, took)
             }
             None => Some(wanted),
         });

@@ -260,8 +260,8 @@ impl ResponseSettings {
     /// The trace settings of the waves whose late arrivals are counted.
     pub(super) fn late_trace(&self) -> Settings {
         let waves = self.trace.waves;
-        let late = self.late_waves.map_or(waves, |late| late.min(waves));
-        let late = self.onset.map_or(late, |onset| onset.followed);
+        let most = self.onset.map_or(waves, |_| Settings::MAX_WAVES);
+        let late = self.late_waves.map_or(waves, |late| late.min(most));
         self.trace.clone().with_waves(late)
     }
 

@@ -1,6 +1,7 @@
 //! Listeners that share the waves of one source.
 
-use super::from_arrivals::{StartDirections, Traced, response};
+use super::early_sound::{EarlySound, StartDirections};
+use super::from_arrivals::{Traced, response};
 use super::late::{self, Heard, LateSphere, Tally};
 use super::source_sound::Medium;
 use super::{Response, ResponseSettings};
@@ -30,6 +31,8 @@ struct SharedListener<'a> {
     sphere: LateSphere,
     /// The waves of earlier rounds, if further waves can extend them.
     tally: Option<Tally>,
+    /// The early sound of earlier rounds. `None` without a tally.
+    early: Option<EarlySound>,
 }
 
 /// The indices of the pairs in groups with the same scene and source, of at most `most` pairs.
@@ -61,6 +64,7 @@ impl<'a> Listeners<'a> {
                 pair,
                 sphere: LateSphere::of(pair, order, settings.accuracy.as_ref()),
                 tally: None,
+                early: None,
             }
         };
         Listeners {
@@ -88,7 +92,7 @@ impl<'a> Listeners<'a> {
         let began = Instant::now();
         let seconds = settings.seconds_of_pairs(tracer, &self.pairs())?;
         let traced = self.trace(tracer, settings, seconds)?;
-        let milliseconds = began.elapsed().as_secs_f64() * 1e3;
+        let milliseconds = began.elapsed().as_secs_f64() * 1e3 / traced.len().max(1) as f64;
         let timed = |traced: Traced| Response {
             milliseconds,
             ..traced.response
@@ -103,7 +107,9 @@ impl<'a> Listeners<'a> {
 
     /// Forgets the waves of earlier rounds.
     pub fn begin_anew(&mut self) {
-        self.all.iter_mut().for_each(|one| one.tally = None);
+        for one in &mut self.all {
+            (one.tally, one.early) = (None, None);
+        }
     }
 
     /// The responses of this length. The waves extend those of the call before if all waves start evenly and the length
@@ -168,13 +174,21 @@ impl<'a> Listeners<'a> {
         let mut starts = StartDirections::default();
         let mut responses = Vec::new();
         for ((index, heard), tally) in indices.iter().zip(&heard).zip(tallies) {
-            let arrivals = tally.arrivals();
-            let kept = keeps_waves.then_some(tally);
-            let starts = starts.of_waves(tracer, &settings.trace, &arrivals.early)?;
-            let response = response(tracer, heard, (arrivals, starts), settings, &how)?;
             let one = &mut self.all[*index];
+            let known = one.early.take();
+            let early = match known.filter(|early| early.waves == settings.trace.waves) {
+                Some(early) => early,
+                None => {
+                    let starts = starts.of_waves(tracer, &settings.trace, &tally.early)?;
+                    let early = (starts, tally.early.clone());
+                    EarlySound::find(heard, settings, self.seconds, early)?
+                }
+            };
+            let found = (&early, tally.arrivals());
+            let response = response(tracer, heard, found, settings, &how)?;
             match response {
-                Some(_) => one.tally = kept,
+                Some(_) if keeps_waves => (one.tally, one.early) = (Some(tally), Some(early)),
+                Some(_) => (),
                 None => one.sphere = one.sphere.inner(one.pair),
             }
             responses.push(response);
@@ -211,8 +225,8 @@ mod tests {
     fn round(followed: u32, onset_waves: u32, early_waves: u32) -> ResponseSettings {
         let mut settings = ResponseSettings::default().with_order(3);
         settings.trace.waves = early_waves;
+        settings.late_waves = Some(followed);
         settings.onset = Some(Onset {
-            followed,
             waves: onset_waves,
             seconds: 0.1,
         });

@@ -143,7 +143,7 @@ impl Tracer {
         let pair = pair.chosen()?;
         let all = WavesToFollow::Numbers(0..settings.waves);
         let mut counts = ArrivalCounts::of_none();
-        for bands in shader::band_groups(pair.scene) {
+        for bands in shader::band_groups(pair.scene, None) {
             let how = how.clone().with_bands(bands);
             let followed = self.arrivals_of(pair, settings, &how, &all, take)?;
             counts = counts.and(followed.counts());
@@ -394,10 +394,10 @@ impl Tracer {
             arrivals += block.replay(&run.replay, &chunk, passages, take);
             // Resampling needs the energies at the end of this chunk, so the next chunk waits for them.
             if let Some(next) = next.as_mut().filter(|_| run.resamples) {
-                next.is_resampled = block.is_uneven();
-                if next.is_resampled {
-                    let random = run.random(waves.first(), next.first_iteration);
-                    targets.upload_originals(&block.resample(random))?;
+                let random = run.random(waves.first(), next.first_iteration);
+                if let Some(originals) = block.resample(random) {
+                    targets.upload_originals(&originals)?;
+                    next.is_resampled = true;
                 }
                 self.draw_chunk(run, &targets, next)?;
             }

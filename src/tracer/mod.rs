@@ -47,7 +47,7 @@ use arrivals::ArrivalTargets;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{
     Detector, FarEnd, Followed, Limits, MOST_LIMITS, NO_LIMITS, SolidHit, Start, Transmitting,
-    WavesToFollow,
+    WavesToFollow, resampled_band_groups,
 };
 pub use error::TraceError;
 #[cfg(not(target_arch = "wasm32"))]

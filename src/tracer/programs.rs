@@ -174,7 +174,7 @@ pub(crate) fn arrivals_key(scene: &Scene, settings: &Settings, transmits: bool) 
     );
     let mut hasher = DefaultHasher::new();
     structure.key.hash(&mut hasher);
-    for bands in shader::band_groups(scene) {
+    for bands in super::resampled_band_groups(scene) {
         let passing = transmits.then(|| Materials::with_transmission(scene, bands.clone()));
         for materials in passing.into_iter().chain([Materials::of(scene, bands)]) {
             ArrivalsText::new(march, &materials, SOME, 2 * SOME).hash(&mut hasher);

@@ -20,41 +20,68 @@ const BEYOND_NOISE: f64 = 3.0;
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
 
 /// The early part of a response: its exact paths, and the waves that the paths replace.
-pub(in crate::response) struct Caught<'a> {
-    pub pair: Pair<'a>,
-    pub medium: &'a Medium,
-    pub part: &'a EarlyPart,
+pub(in crate::response) struct Caught {
+    pub part: EarlyPart,
     /// The sound along all exact paths.
-    pub paths: &'a [HeardPath],
+    pub paths: Vec<HeardPath>,
+    /// For each surface, whether it focuses sound.
+    gather: Vec<bool>,
+    /// The paths' mean over the listener's sphere, without paths at foci and over surfaces that focus sound.
+    means: Vec<Tap>,
 }
 
-impl Caught<'_> {
+impl Caught {
+    pub fn new(pair: Pair, medium: &Medium, part: EarlyPart) -> Caught {
+        let surfaces = pair.scene.surfaces.iter();
+        let mut caught = Caught {
+            paths: part.heard(pair, medium),
+            part,
+            gather: surfaces.map(|one| one.shape.gathers_sound()).collect(),
+            means: Vec::new(),
+        };
+        let is_left_out = |path: &SpecularPath| caught.is_left_out(path);
+        caught.means = caught
+            .part
+            .mean_taps(pair, medium, &caught.paths, &is_left_out);
+        caught
+    }
+
     /// The figures of the exact paths and the echogram. Their errors include the differences described at the top of
     /// this module. The record ends at `ends_s` seconds.
-    pub fn in_errors(&self, figures: Figures, echogram: &Echogram, ends_s: f64) -> Figures {
-        let gather = self.gathering_surfaces();
-        let is_gathered =
-            |path: &SpecularPath| path.surfaces.iter().any(|n| gather[*n as usize - 1]);
-        let is_left_out = |path: &SpecularPath| path.is_focus || is_gathered(path);
-        let means = self
-            .part
-            .mean_taps(self.pair, self.medium, self.paths, &is_left_out);
-        let left_out = self.taps(&is_left_out);
-        let by_means = [&means[..], &left_out].concat();
+    pub fn in_errors(
+        &self,
+        (pair, medium): (Pair, &Medium),
+        figures: Figures,
+        (echogram, ends_s): (&Echogram, f64),
+    ) -> Figures {
+        let is_gathered = |path: &SpecularPath| self.is_gathered(path);
+        let left_out = self.taps(&|path| self.is_left_out(path));
+        let by_means = [&self.means[..], &left_out].concat();
         let mut figures =
             figures.with_differences(Record::new(&by_means, echogram, ends_s), &bands::ALL);
-        if gather.contains(&true) {
+        if self.gather.contains(&true) {
             let exact = self.taps(&|path| path.is_focus || !is_gathered(path));
-            let of_waves = self.with_waves(echogram, &|path| path.is_some_and(is_gathered));
+            let of_waves = self.with_waves(medium, echogram, &|path| path.is_some_and(is_gathered));
             figures = figures.with_differences(Record::new(&exact, &of_waves, ends_s), &bands::ALL);
         }
-        let excess = self.excess(&means, &is_left_out, ends_s);
+        let excess = self.excess(pair, medium, ends_s);
         if excess == [0.0; BAND_COUNT] {
             return figures;
         }
-        let of_waves =
-            self.with_waves(echogram, &|path| path.is_none_or(|path| !is_gathered(path)));
+        let is_other = |path: Option<&SpecularPath>| path.is_none_or(|path| !is_gathered(path));
+        let of_waves = self.with_waves(medium, echogram, &is_other);
         figures.with_differences(Record::new(&left_out, &of_waves, ends_s), &excess)
+    }
+
+    /// Whether a surface on the path focuses sound.
+    fn is_gathered(&self, path: &SpecularPath) -> bool {
+        let mut surfaces = path.surfaces.iter();
+        surfaces.any(|number| self.gather[*number as usize - 1])
+    }
+
+    /// Whether the mean over the sphere leaves the path out.
+    fn is_left_out(&self, path: &SpecularPath) -> bool {
+        path.is_focus || self.is_gathered(path)
     }
 
     /// The exact paths for which `is_taken` holds, as taps.
@@ -66,49 +93,38 @@ impl Caught<'_> {
     /// The echogram plus the waves of the paths for which `is_taken` holds.
     fn with_waves(
         &self,
+        medium: &Medium,
         echogram: &Echogram,
         is_taken: &dyn Fn(Option<&SpecularPath>) -> bool,
     ) -> Echogram {
         let mut with_waves = echogram.clone();
         for (arrival, _) in self.part.caught().filter(|(_, path)| is_taken(*path)) {
-            self.medium.add(&mut with_waves, arrival);
+            medium.add(&mut with_waves, arrival);
         }
         with_waves
     }
 
-    /// For each surface, whether it focuses sound.
-    fn gathering_surfaces(&self) -> Vec<bool> {
-        let surfaces = self.pair.scene.surfaces.iter();
-        surfaces
-            .map(|surface| surface.shape.gathers_sound())
-            .collect()
-    }
-
     /// The difference between the paths' mean energy and the energy of their waves, for arrivals before the record's
-    /// end. Returned is the share of the difference that exceeds the noise, in each band. `means` and the result
-    /// exclude paths for which `is_left_out` holds.
-    fn excess(
-        &self,
-        means: &[Tap],
-        is_left_out: &dyn Fn(&SpecularPath) -> bool,
-        ends_s: f64,
-    ) -> Bands {
-        let heard = means.iter().filter(|mean| mean.seconds <= ends_s);
+    /// end, without the paths that the mean leaves out. Returned is the share of the difference that exceeds the noise,
+    /// in each band.
+    fn excess(&self, pair: Pair, medium: &Medium, ends_s: f64) -> Bands {
+        let is_left_out = |path: &SpecularPath| self.is_left_out(path);
+        let heard = self.means.iter().filter(|mean| mean.seconds <= ends_s);
         let mut surplus = bands::sum(heard.map(|mean| &mean.energy));
         let is_compared = |arrival: &Arrival, path: Option<&SpecularPath>| {
-            arrival.length_m / self.medium.speed <= ends_s && !path.is_some_and(is_left_out)
+            arrival.length_m / medium.speed <= ends_s && !path.is_some_and(is_left_out)
         };
         for (arrival, path) in self.part.caught() {
             if is_compared(arrival, path) {
-                let heard = self.medium.heard(arrival);
+                let heard = medium.heard(arrival);
                 bands::add(&mut surplus, &heard.map(|energy| -energy));
             }
         }
         let mut variance = [0.0; BAND_COUNT];
-        let radius_m = f64::from(self.pair.listener.radius);
+        let radius_m = f64::from(pair.listener.radius);
         let compared = self.paths.iter().filter(|heard| heard.delay_s <= ends_s);
         for heard in compared.filter(|heard| !is_left_out(&heard.path)) {
-            let passing = passing(self.pair.scene, &heard.path, radius_m, self.part.waves());
+            let passing = passing(pair.scene, &heard.path, radius_m, self.part.waves());
             let of_path = heard.energy.map(|e| CHORD_SPREAD * e * e / passing);
             bands::add(&mut variance, &of_path);
         }

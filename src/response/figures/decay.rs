@@ -2,6 +2,7 @@
 //! 3382-1 derives from the decay.
 
 use super::pieces::Piece;
+use std::f64::consts::LN_10;
 
 /// The last decay of the record, in decibels, from which the tail is extrapolated, by ISO 3382-1:2009, 5.3.3.
 const TAIL_DECAY_DB: f64 = 10.0;
@@ -208,7 +209,8 @@ impl<'a> Decay<'a> {
         Some(piece.begins_s + share.clamp(0.0, 1.0) * (piece.ends_s - piece.begins_s))
     }
 
-    /// The integral of level × (time − `middle_s`) between two times, in dB s².
+    /// The integral of level × (time − `middle_s`) between two times, in dB s². `middle_s` is midway, so that the reference
+    /// of the level has no influence.
     fn level_moment(&self, begins_s: f64, ends_s: f64, middle_s: f64) -> f64 {
         let first = self
             .pieces
@@ -218,13 +220,17 @@ impl<'a> Decay<'a> {
             if piece.begins_s >= ends_s {
                 break;
             }
+            if piece.begins_s == piece.ends_s {
+                continue;
+            }
             let (from_s, to_s) = (piece.begins_s.max(begins_s), piece.ends_s.min(ends_s));
             for (node, weight) in GAUSS {
                 let at_s = from_s + node * (to_s - from_s);
-                let level_db = 10.0 * (self.within(index, piece, at_s) / self.remaining[0]).log10();
-                sum += weight * (to_s - from_s) * level_db * (at_s - middle_s);
+                // The natural logarithm takes half the time of the decimal one.
+                let level = self.within(index, piece, at_s).ln();
+                sum += weight * (to_s - from_s) * level * (at_s - middle_s);
             }
         }
-        sum
+        10.0 / LN_10 * sum
     }
 }

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::response::{Arrival, ResponseSettings};
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Detector, Tracer, WavesToFollow};
 use std::cmp::Ordering;
+use std::ops::Range;
 
 /// Mean number of crossings of a wave in a chunk. A chunk takes as long as ten iterations, and a wave with more
 /// crossings than can be recorded (four) is drawn again. In a room of 8 × 3 × 5 m a response of 65,536 waves takes
@@ -21,16 +22,14 @@ const LEAST_ITERATIONS: u32 = 8;
 /// Minimum number of iterations in a chunk with several listeners, whose iterations take longer.
 const LEAST_ITERATIONS_SHARED: u32 = 1;
 
-/// Traces further waves of early arrivals past the listeners' own spheres, in a band group.
+/// Traces the `further` waves of early arrivals past the listeners' own spheres, in a band group.
 pub(super) fn trace(
     tracer: &mut Tracer,
     heard: &[Heard],
-    settings: &ResponseSettings,
-    how: &ArrivalSettings,
+    further: Range<u32>,
+    (settings, how): (&ResponseSettings, &ArrivalSettings),
     (group, tallies): (usize, &mut [Tally]),
 ) -> Result<(), Error> {
-    // All listeners have the same waves.
-    let further = tallies[0].further_early.clone();
     if further.is_empty() {
         return Ok(());
     }

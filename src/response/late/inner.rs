@@ -10,48 +10,29 @@ use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
 use crate::response::{Arrival, Differences, Echogram, Record};
 
-/// The arrivals of the same waves in both spheres.
+/// The late arrivals of the same waves in both spheres.
 #[derive(Clone, Debug)]
 pub(in crate::response) struct Difference {
-    wide: Echogram,
-    inner: Echogram,
+    pub wide: Echogram,
+    pub inner: Echogram,
 }
 
 /// The sphere of late arrivals is rejected if the squares of a figure's differences exceed this multiple of their
 /// variances, on the average over the bands: four standard deviations.
 const MOST_TIMES_VARIANCE: f64 = 16.0;
 
+/// Adds the part of an arrival that crosses the inner sphere.
+pub(super) fn add(inner: &mut Echogram, medium: &Medium, arrival: &Arrival) {
+    if arrival.inner > 0.0 {
+        let within = Arrival {
+            energy: arrival.energy.map(|energy| arrival.inner * energy),
+            ..*arrival
+        };
+        medium.add(inner, &within);
+    }
+}
+
 impl Difference {
-    /// No arrivals, with the bins of `like`.
-    pub fn none(like: &Echogram) -> Difference {
-        Difference {
-            wide: like.without_arrivals(),
-            inner: like.without_arrivals(),
-        }
-    }
-
-    /// Adds an arrival to both spheres.
-    pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
-        medium.add(&mut self.wide, arrival);
-        if arrival.inner > 0.0 {
-            let inner = Arrival {
-                energy: arrival.energy.map(|energy| arrival.inner * energy),
-                ..*arrival
-            };
-            medium.add(&mut self.inner, &inner);
-        }
-    }
-
-    /// The echograms of both spheres.
-    pub fn echograms(&self) -> [&Echogram; 2] {
-        [&self.wide, &self.inner]
-    }
-
-    /// The echograms of both spheres.
-    pub fn echograms_mut(&mut self) -> [&mut Echogram; 2] {
-        [&mut self.wide, &mut self.inner]
-    }
-
     /// The differences of the figures if the late arrivals of the record are those of the inner sphere.
     pub fn of_figures(&self, record: &Record, direct_s: Option<f64>) -> Differences {
         let mut inner = record.echogram.clone();

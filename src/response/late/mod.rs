@@ -28,10 +28,9 @@ use crate::error::Error;
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Pair;
-use crate::shader;
 use crate::tracer::{
-    ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer, Transmitting,
-    WavesToFollow,
+    self, ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer,
+    Transmitting, WavesToFollow,
 };
 use glam::Vec3;
 use importance::Importance;
@@ -69,8 +68,6 @@ pub(super) struct Arrivals {
     /// The possible bias from the larger sphere alone: one standard deviation of the energy.
     pub bias: Echogram,
     pub counts: ArrivalCounts,
-    /// Early arrivals, counted in the listener's own sphere.
-    pub early: Vec<Arrival>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,
 }
@@ -101,7 +98,7 @@ pub(super) fn tallies(
     let mut added = Added::none(&tallies);
     let wide = |one: &Heard| one.late.detector(one.pair.listener);
     let detectors: Vec<Detector> = heard.iter().map(wide).collect();
-    for (group, bands) in shader::band_groups(first.pair.scene)
+    for (group, bands) in tracer::resampled_band_groups(first.pair.scene)
         .into_iter()
         .enumerate()
     {
@@ -111,7 +108,8 @@ pub(super) fn tallies(
             ..how.with_least_energy(LEAST_ENERGY)
         };
         if has_near {
-            early::trace(tracer, heard, settings, &how, (group, &mut tallies))?;
+            let (early, with) = (further.early.clone(), (settings, &how));
+            early::trace(tracer, heard, early, with, (group, &mut tallies))?;
             how.iterations_in_chunk = early::chunk(heard, &tallies, group, &how);
         }
         let mut early = vec![Vec::new(); heard.len()];

@@ -10,16 +10,15 @@
 
 use super::Heard;
 use crate::scene::Pair;
-use crate::shader::{self, Materials};
-use crate::tracer::{ArrivalSettings, Directions};
+use crate::shader::Materials;
+use crate::tracer::{self, ArrivalSettings, Directions};
 use std::ops::Range;
 
 /// The waves of the onset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Onset {
-    /// Number of waves that are followed to the record's end.
-    pub followed: u32,
-    /// Number of waves that are followed through the onset, including those.
+    /// Number of waves that are followed through the onset, including the late waves, which are followed to the record's
+    /// end.
     pub waves: u32,
     /// Length of the onset after the direct sound, in seconds.
     pub seconds: f64,
@@ -47,7 +46,9 @@ impl Onset {
         let scatters = |bands: &Range<usize>| Materials::of(pair.scene, bands.clone()).scatter();
         let starts_evenly = pair.source.directivity.is_omnidirectional()
             && directions == Directions::Random
-            && shader::band_groups(pair.scene).iter().all(scatters);
+            && tracer::resampled_band_groups(pair.scene)
+                .iter()
+                .all(scatters);
         let length_s = (Onset::SHARE * seconds).max(LEAST_S);
         let share = (direct_s + length_s) / seconds;
         (starts_evenly && share <= MOST).then_some((length_s, share))

@@ -4,7 +4,7 @@
 //! mean over all waves, the later bins the mean over the waves that are followed to the record's end. The waves of early
 //! arrivals, which find exact paths, are extended in the same way.
 
-use super::inner::Difference;
+use super::inner::{self, Difference};
 use super::sphere::NearScattering;
 use super::{Arrivals, Heard};
 use crate::bands::BAND_COUNT;
@@ -69,8 +69,8 @@ pub(super) struct Sums {
     pub echogram: Echogram,
     /// Arrivals that have passed solids and were not reflected.
     pub straight: Echogram,
-    /// The late arrivals in the sphere of late arrivals and in the inner sphere, if the two are compared.
-    pub inner: Option<Difference>,
+    /// The arrivals of `echogram` in the inner sphere, if the two spheres are compared.
+    pub inner: Option<Echogram>,
     /// Sound scattered after few reflections, in the sphere of late arrivals, if other waves trace early arrivals.
     pub near: Option<Echogram>,
 }
@@ -81,7 +81,7 @@ impl Sums {
         Sums {
             echogram: like.without_arrivals(),
             straight: like.without_arrivals(),
-            inner: (one.late.inner_m.is_some()).then(|| Difference::none(like)),
+            inner: (one.late.inner_m.is_some()).then(|| like.without_arrivals()),
             near: has_near.then(|| like.without_arrivals()),
         }
     }
@@ -90,20 +90,18 @@ impl Sums {
     pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
         medium.add(&mut self.echogram, arrival);
         if let Some(inner) = &mut self.inner {
-            inner.add(medium, arrival);
+            inner::add(inner, medium, arrival);
         }
     }
 
     fn echograms(&self) -> impl Iterator<Item = &Echogram> {
-        let inner = self.inner.iter().flat_map(Difference::echograms);
         let own = [&self.echogram, &self.straight];
-        own.into_iter().chain(&self.near).chain(inner)
+        own.into_iter().chain(&self.near).chain(&self.inner)
     }
 
     fn echograms_mut(&mut self) -> impl Iterator<Item = &mut Echogram> {
-        let inner = self.inner.iter_mut().flat_map(Difference::echograms_mut);
         let own = [&mut self.echogram, &mut self.straight];
-        own.into_iter().chain(&mut self.near).chain(inner)
+        own.into_iter().chain(&mut self.near).chain(&mut self.inner)
     }
 
     /// Scales the bins before `until` by `before`, and the later bins by `after`.
@@ -128,9 +126,7 @@ pub(in crate::response) struct Tally {
     /// Sound scattered after few reflections, if other waves than those of late arrivals trace early arrivals.
     pub(super) near: Option<NearScattering>,
     /// Early arrivals, counted in the listener's own sphere.
-    pub(super) early: Vec<Arrival>,
-    /// The numbers of the waves of early arrivals that are traced next. Those before are traced.
-    pub(super) further_early: Range<u32>,
+    pub(in crate::response) early: Vec<Arrival>,
     /// The waves that are followed to the record's end, by band group.
     followed: Vec<Followed>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
@@ -138,7 +134,9 @@ pub(in crate::response) struct Tally {
     /// Mean crossings of the listener's own sphere per wave and iteration, by band group, from the waves of early
     /// arrivals.
     pub(super) crossings: Vec<f64>,
-    /// Numbers of the traced waves.
+    /// Number of the traced waves of early arrivals.
+    early_waves: u32,
+    /// Numbers of the traced late waves.
     waves: WaveCounts,
 }
 
@@ -150,17 +148,17 @@ impl Tally {
             sums: Sums::none(one, echogram, has_near),
             near: has_near.then(|| NearScattering::new(one.pair, &one.late, echogram)),
             early: Vec::new(),
-            further_early: 0..0,
             followed: Vec::new(),
             travel_on: None,
             crossings: Vec::new(),
+            early_waves: 0,
             waves: WaveCounts::default(),
         }
     }
 
     /// The waves of these settings that are not traced yet.
     pub(super) fn further(&self, settings: &ResponseSettings) -> FurtherWaves {
-        let early = self.further_early.end;
+        let early = self.early_waves;
         FurtherWaves {
             early: early..settings.trace.waves.max(early),
             ..WaveCounts::of(settings).beyond(self.waves)
@@ -169,7 +167,7 @@ impl Tally {
 
     /// Prepares the early arrivals for further waves: their energies become shares of the energy of all of them.
     pub(super) fn begin(&mut self, further: &FurtherWaves) {
-        self.further_early = further.early.clone();
+        self.early_waves = further.early.end;
         if further.early.is_empty() {
             return;
         }
@@ -218,7 +216,7 @@ impl Tally {
         self.waves = after;
     }
 
-    /// The arrivals, with the sound scattered after few reflections.
+    /// The late arrivals, with the sound scattered after few reflections.
     pub fn arrivals(&self) -> Arrivals {
         let sums = &self.sums;
         let mut echogram = sums.echogram.clone();
@@ -235,10 +233,12 @@ impl Tally {
             echogram,
             in_own_sphere,
             straight: sums.straight.clone(),
-            inner: sums.inner.clone(),
+            inner: sums.inner.as_ref().map(|inner| Difference {
+                wide: sums.echogram.clone(),
+                inner: inner.clone(),
+            }),
             bias,
             counts: counts.fold(ArrivalCounts::of_none(), ArrivalCounts::and),
-            early: self.early.clone(),
             travel_on: self.travel_on,
         }
     }

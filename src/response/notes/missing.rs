@@ -5,6 +5,7 @@ use crate::response::diagnosis::Gap;
 use crate::response::figures::Withheld;
 use crate::response::{BandFigures, Figures, Response};
 use crate::scene::Scene;
+use crate::tracer::Settings;
 
 /// Returns a sentence for each reason why figures are missing, with the affected bands.
 pub(super) fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
@@ -43,14 +44,16 @@ fn sentence(
             "hardly anything arrives after the first 80 ms, so decay times are not defined: {times}"
         ),
         Gap::TooNoisy => {
-            let noisy = too_noisy(&response.figures, of_reason);
+            let noisy = too_noisy(response, of_reason);
             format!("too noisy: {}", noisy.join("; "))
         }
     }
 }
 
 /// Why figures are withheld: the figures, their bands, the cause, and the number of waves that they take.
-fn too_noisy(figures: &Figures, of_reason: [bool; BAND_COUNT]) -> Vec<String> {
+fn too_noisy(response: &Response, of_reason: [bool; BAND_COUNT]) -> Vec<String> {
+    let figures = &response.figures;
+    let most = f64::from(Settings::MAX_WAVES) / f64::from(response.waves.max(1));
     let names = ALL_FIGURES.iter().enumerate();
     let told = names.filter_map(|(figure, (name, _))| {
         let withheld: [Option<Withheld>; BAND_COUNT] =
@@ -65,7 +68,7 @@ fn too_noisy(figures: &Figures, of_reason: [bool; BAND_COUNT]) -> Vec<String> {
             let factor = factors
                 .filter_map(|band| figures.waves_to_report(band, figure))
                 .fold(0.0, f64::max);
-            (*name, is_withheld, cause(worst, factor))
+            (*name, is_withheld, cause(worst, factor, most))
         })
     });
     grouped(told)
@@ -105,8 +108,8 @@ fn worse(known: Option<Withheld>, other: Withheld) -> Withheld {
     }
 }
 
-/// The cause, and the factor by which the number of waves must grow.
-fn cause(withheld: Option<Withheld>, factor: f64) -> String {
+/// The cause, and the factor by which the number of waves must grow. `most` is the factor up to the maximum number.
+fn cause(withheld: Option<Withheld>, factor: f64, most: f64) -> String {
     let cause = match withheld {
         Some(Withheld::FewArrivals(arrivals)) => format!(
             "{arrivals:.0} of {:.0} late arrivals",
@@ -119,6 +122,7 @@ fn cause(withheld: Option<Withheld>, factor: f64) -> String {
         _ => "few arrivals".to_owned(),
     };
     match factor.is_finite() {
+        true if factor > most => format!("{cause}; takes more waves than can be traced"),
         true => format!("{cause}; takes {:.1} times the waves", factor.max(1.1)),
         false => format!("{cause}; no wave arrives after the end of the decay"),
     }
@@ -273,6 +277,23 @@ mod tests {
         let none = [BandFigures::default(); BAND_COUNT];
         let told = missing_among(&TIMES, &none, [true; BAND_COUNT]);
         assert_eq!(told, "EDT, T20 and T30 in all bands");
+    }
+
+    /// Protects the reader from advice that the program refuses: the factor is named only up to the maximum number of
+    /// waves.
+    #[test]
+    fn a_number_of_waves_beyond_the_maximum_is_no_advice() {
+        let few = Some(Withheld::FewArrivals(1.0));
+        let within = cause(few, 400.0, 500.0);
+        assert_eq!(
+            within,
+            "1 of 500 late arrivals; takes 400.0 times the waves"
+        );
+        let beyond = cause(few, 501.0, 500.0);
+        assert_eq!(
+            beyond,
+            "1 of 500 late arrivals; takes more waves than can be traced"
+        );
     }
 
     /// Protects the formatting of band names.

@@ -15,6 +15,9 @@
 
 use super::replay::Block;
 use crate::bands::{self, BAND_COUNT};
+use crate::scene::Scene;
+use crate::shader;
+use std::ops::Range;
 
 /// Iterations of a chunk after which waves may be resampled. A flutter echo between distant walls must be split before it
 /// is far ahead of other waves. In the scene flat the standard deviation of T30 over six seeds, with 16,384 waves, was
@@ -39,27 +42,27 @@ const MOST_AHEAD: f64 = 7.0;
 /// Minimum number of travelling waves that are resampled.
 const LEAST_WAVES: usize = 64;
 
+/// Groups of bands, each traced by separate waves, which are resampled.
+pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
+    shader::band_groups(scene, Some(ITERATIONS_BEFORE_RESAMPLING))
+}
+
 impl Block {
-    /// Whether a wave is much more important than others.
-    pub fn is_uneven(&self) -> bool {
+    /// Replaces the travelling waves by as many waves of about equal energy, if the importance of a wave is far above the
+    /// mean.
+    /// `random` is uniform in 0 … 1. Returns the original's texel for each texel of the grid.
+    pub fn resample(&mut self, random: f64) -> Option<Vec<u32>> {
         let travelling = self.travelling();
         if travelling.len() < LEAST_WAVES {
-            return false;
+            return None;
         }
         let importance = self.importance(&travelling);
-        let sum: f64 = importance.iter().sum();
-        let mean = sum / travelling.len() as f64;
-        importance.iter().any(|one| *one > MOST_TIMES_MEAN * mean)
-    }
-
-    /// Replaces the travelling waves by as many waves of about equal energy. `random` is uniform in 0 … 1. Returns the
-    /// original's texel for each texel of the grid.
-    pub fn resample(&mut self, random: f64) -> Vec<u32> {
-        let travelling = self.travelling();
-        let importance = self.importance(&travelling);
+        let per_copy = importance.iter().sum::<f64>() / travelling.len() as f64;
+        if !(importance.iter()).any(|one| *one > MOST_TIMES_MEAN * per_copy) {
+            return None;
+        }
         let mut originals = Vec::with_capacity(travelling.len());
         let mut energies = Vec::with_capacity(travelling.len());
-        let per_copy = importance.iter().sum::<f64>() / travelling.len() as f64;
         let (mut upto, mut next) = (0.0, random);
         for (wave, importance) in travelling.iter().zip(&importance) {
             let expected = importance / per_copy;
@@ -84,7 +87,7 @@ impl Block {
             originals.push(*last);
             energies.push([0.0; BAND_COUNT]);
         }
-        self.replace(&travelling, &originals, energies)
+        Some(self.replace(&travelling, &originals, energies))
     }
 
     /// The importance of each travelling wave, up to a common factor.
@@ -155,12 +158,12 @@ mod tests {
     #[test]
     fn resampling_keeps_the_energy_and_evens_the_waves() {
         let before = total(&block());
-        assert!(block().is_uneven());
         let mut sum = 0.0;
         for trial in 0..100 {
             let mut block = block();
-            let originals = block.resample(unit_interval(hash(trial)));
-            assert!(!block.is_uneven());
+            let random = unit_interval(hash(trial));
+            let originals = block.resample(random).expect("uneven waves");
+            assert!(block.resample(random).is_none());
             assert_eq!(originals.len(), 1024);
             sum += total(&block) / 100.0;
         }
