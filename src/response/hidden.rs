@@ -296,7 +296,11 @@ impl<'a> Obstacles<'a> {
     }
 
     /// The reflections of a path at plane faces.
-    fn at_planes(&self, path: &SpecularPath, (source, listener): (DVec3, DVec3)) -> Vec<Reflection> {
+    fn at_planes(
+        &self,
+        path: &SpecularPath,
+        (source, listener): (DVec3, DVec3),
+    ) -> Vec<Reflection> {
         let points = [&[source], &path.points[..], &[listener]].concat();
         let mut before_m = 0.0;
         let reflection = |(index, &surface): (usize, &u32)| {
