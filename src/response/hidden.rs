@@ -1,6 +1,6 @@
 //! The sound of a source that is hidden from the listener: paths around what is in the way, and the path through it.
 
-use super::diffraction::{self, Mirror};
+use super::diffraction::{self, Mirror, Reflection};
 use super::omnidirectional_path::Path;
 use super::source_sound::{HeardPath, Medium, PathKind};
 use super::transmission;
@@ -263,42 +263,67 @@ impl<'a> Obstacles<'a> {
         nearest.into_par_iter().filter_map(bent).collect()
     }
 
-    /// The change of the direct sound, and of reflections at a single plane face, by the edges beside their ways.
+    /// The change of the direct sound and of reflections by the edges of obstacles beside their ways, and by the ends of plane
+    /// faces, for those with the shortest ways.
     fn change_beside(&self, paths: &mut [HeardPath]) {
         let Some(ends) = self.ends else {
             return;
         };
         // Paths are in the order of their lengths.
-        let reflected = paths
-            .iter_mut()
-            .filter(|path| path.is_direct() || self.plane_of(&path.path).is_some());
-        let mut changed: Vec<&mut HeardPath> = reflected.take(MOST_REFLECTIONS).collect();
-        changed.par_iter_mut().for_each(|path| {
+        let most = paths.len().min(MOST_REFLECTIONS);
+        paths[..most].par_iter_mut().for_each(|path| {
             let (exact, speed, faces) = (self.early.exact(), self.medium.speed, self.faces());
-            let beside = match (path.kind, self.plane_of(&path.path)) {
-                (PathKind::Direct, _) => diffraction::beside(exact, ends, speed, faces),
-                (PathKind::Mirrored, Some(vertex)) => {
-                    diffraction::beside_mirrored(exact, mirror(&vertex), ends, speed, faces)
-                }
-                _ => return,
-            };
-            for (energy, share) in path.energy.iter_mut().zip(beside) {
-                *energy *= share;
+            if path.is_direct() {
+                multiply(
+                    &mut path.energy,
+                    diffraction::beside(exact, ends, speed, faces),
+                );
+                return;
             }
+            let reflections = self.at_planes(&path.path, ends);
+            if let ([surface], [plane]) = (&path.path.surfaces[..], &reflections[..]) {
+                let mirror = Mirror {
+                    surface: *surface,
+                    point: plane.point,
+                    normal: plane.normal,
+                };
+                let beside = diffraction::beside_mirrored(exact, mirror, ends, speed, faces);
+                multiply(&mut path.energy, beside);
+            }
+            let within = diffraction::within_faces(exact, &reflections, speed);
+            multiply(&mut path.energy, within);
         });
     }
 
-    /// The reflection of a path with a single reflection, if that is at a plane face.
-    fn plane_of(&self, path: &SpecularPath) -> Option<Vertex> {
-        let ([surface], [point]) = (&path.surfaces[..], &path.points[..]) else {
-            return None;
+    /// The reflections of a path at plane faces.
+    fn at_planes(
+        &self,
+        path: &SpecularPath,
+        (source, listener): (DVec3, DVec3),
+    ) -> Vec<Reflection> {
+        let points = [&[source], &path.points[..], &[listener]].concat();
+        let mut before_m = 0.0;
+        let reflection = |(index, &surface): (usize, &u32)| {
+            let [from, point, to] = [points[index], points[index + 1], points[index + 2]];
+            before_m += from.distance(point);
+            let (towards, away) = (point - from, to - point);
+            let (towards, away) = (towards.try_normalize()?, away.try_normalize()?);
+            let normal = (away - towards).try_normalize()?;
+            let vertex = Vertex {
+                point,
+                normal,
+                surface,
+            };
+            self.early.are_flat(&[vertex]).then_some(Reflection {
+                point,
+                away,
+                normal,
+                before_m,
+                after_m: path.length_m - before_m,
+            })
         };
-        let vertex = Vertex {
-            point: *point,
-            normal: (path.arrival_direction - path.departure).try_normalize()?,
-            surface: *surface,
-        };
-        self.early.are_flat(&[vertex]).then_some(vertex)
+        let surfaces = path.surfaces.iter().enumerate();
+        surfaces.filter_map(reflection).collect()
     }
 
     fn wall(&self, vertex: &Vertex) -> Option<u8> {
@@ -333,6 +358,12 @@ fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
     material.map_or([1.0; BAND_COUNT], |material| {
         material.absorption.map(|share| (1.0 - share).sqrt())
     })
+}
+
+fn multiply(energy: &mut Bands, shares: Bands) {
+    for (energy, share) in energy.iter_mut().zip(shares) {
+        *energy *= share;
+    }
 }
 
 fn mirror(vertex: &Vertex) -> Mirror {

@@ -227,6 +227,35 @@ fn levels_are_continuous_across_the_shadows_of_round_bodies() {
     }
 }
 
+/// Protects walks past walls: steps of 1 cm across the boundary of the shadow of an end, a corner and the top of a wall of
+/// 4 × 3 × 0.2 m, where the exact level changes slowly, change no band by more than 1.1 dB.
+#[test]
+fn levels_are_continuous_across_the_shadow_of_a_wall() {
+    let wall = "Box(size: (4, 3, 0.2))";
+    let mut tracer = tracer();
+    let walks = [
+        ([-1.5, -0.3, -3.0], [-2.6, -0.3, 3.0], [0.01, 0.0, 0.0]),
+        ([-1.5, 1.0, -3.0], [-2.6, 1.61, 3.0], [0.01, 0.0, 0.0]),
+        ([-0.5, 0.7, -3.0], [-0.1, 2.42, 3.0], [0.0, -0.01, 0.0]),
+    ];
+    for (source, from, by) in walks {
+        let mut last: Option<[f64; 8]> = None;
+        let mut all_kinds = Vec::new();
+        for step in 0..14 {
+            let listener = [0, 1, 2].map(|axis| from[axis] + by[axis] * f64::from(step));
+            let (kinds, levels) = heard(&mut tracer, wall, [source, listener], true);
+            all_kinds.extend(kinds);
+            for (level, last) in levels.iter().zip(last.unwrap_or(levels)) {
+                let step_db = (level - last).abs();
+                assert!(step_db < 1.1, "{step_db} dB at {listener:?}");
+            }
+            last = Some(levels);
+        }
+        assert!(all_kinds.contains(&PathKind::Direct), "{from:?}");
+        assert!(all_kinds.contains(&PathKind::Diffracted), "{from:?}");
+    }
+}
+
 /// Protects results without diffraction: it is off by default.
 #[test]
 fn sound_does_not_bend_unless_it_is_asked_for() {

@@ -6,7 +6,7 @@ use super::turn::Turn;
 use glam::DVec3;
 
 /// Distance over which the curvature of a surface is measured that a way only touches, as a share of the shorter leg.
-pub(super) const TOUCH: f64 = 1e-3;
+const TOUCH: f64 = 1e-3;
 
 /// Greatest curvature of a round body, times that distance: an edge of 340° or less has more.
 const ROUND_TOUCH: f64 = 0.1;

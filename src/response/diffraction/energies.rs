@@ -92,7 +92,7 @@ impl Ways {
 
 /// How much a way counts whose detour is longer than the least one, in metres, for the wave number `k`: 1 if it is not,
 /// 0 where the least is none.
-fn nearness(k: f64, least: f64, detour: f64) -> f64 {
+pub(super) fn nearness(k: f64, least: f64, detour: f64) -> f64 {
     match detour > least {
         true => (least / detour).powf(1.0 / (1.0 + k * least)),
         false => 1.0,

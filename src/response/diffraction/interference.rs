@@ -27,6 +27,16 @@ pub(super) struct Sound {
     pub length_m: f64,
 }
 
+impl Sound {
+    /// The same sound, with a factor of the pressure.
+    pub fn weighted(self, weight: f64) -> Sound {
+        Sound {
+            pressure: self.pressure * weight,
+            ..self
+        }
+    }
+}
+
 /// The mean of a function of the wave number over the third octaves of a band.
 pub(super) fn band_mean(band: usize, speed: f64, value: impl FnMut(f64) -> f64) -> f64 {
     let numbers = THIRDS.map(|factor| TAU * BANDS_HZ[band] * factor / speed);

@@ -2,6 +2,7 @@
 
 use super::Ends;
 use super::OFF_THE_EDGE;
+use super::energies::nearness;
 use super::interference::{self, Sound, band_mean};
 use super::narrow::wideness;
 use super::rim::{MOST_DETOUR_M, Rim};
@@ -15,34 +16,44 @@ use num_complex::Complex64;
 pub(super) struct Lit {
     /// Length of the way in metres.
     apart_m: f64,
-    rims: Vec<Rim>,
-    /// The ways around the far side of the obstacles of the edges.
-    far: Option<Ways>,
+    beside: Vec<Beside>,
+}
+
+/// An edge beside a free way.
+struct Beside {
+    rim: Rim,
+    /// The ways around the far side of its obstacle.
+    far: Ways,
 }
 
 impl Lit {
     /// The edges and ways beside the straight way between two points in sight; `None` if the points coincide.
     pub fn between(space: &impl Space, (source, listener): Ends) -> Option<Lit> {
         let planes = HalfPlanes::between(source, listener)?;
-        let lit = Lit::beside(space, planes);
-        let touched = lit.rims.iter().find(|rim| rim.touches_the_straight_way());
+        let mut rims = Rim::all(space, &planes, &[]);
+        let touched = rims.iter().find(|rim| rim.touches_the_straight_way());
         let Some(touched) = touched else {
-            return Some(lit);
+            return Some(Lit::of(space, &planes, rims));
         };
         // The half-planes of an edge on the line between source and listener are not defined.
-        let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * lit.apart_m);
+        let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * planes.apart_m());
         let planes = HalfPlanes::between(source, moved)?;
-        Some(Lit::beside(space, planes))
+        rims = Rim::all(space, &planes, &[]);
+        Some(Lit::of(space, &planes, rims))
     }
 
-    fn beside(space: &impl Space, planes: HalfPlanes) -> Lit {
-        let rims = Rim::all(space, &planes, &[]);
-        let apart_m = planes.apart_m();
-        let far = (!rims.is_empty()).then(|| {
-            let planes = planes.around_what_is_beside(MOST_DETOUR_M);
-            Ways::around(space, &planes)
-        });
-        Lit { apart_m, rims, far }
+    fn of(space: &impl Space, planes: &HalfPlanes, rims: Vec<Rim>) -> Lit {
+        let beside = |rim: Rim| {
+            let planes = planes.around_what_is_beside(rim.half_planes, MOST_DETOUR_M);
+            Beside {
+                far: Ways::around(space, &planes),
+                rim,
+            }
+        };
+        Lit {
+            apart_m: planes.apart_m(),
+            beside: rims.into_iter().map(beside).collect(),
+        }
     }
 
     /// The energy at the listener by band, relative to that in the open. Includes the energy of reflections that end at the
@@ -53,54 +64,47 @@ impl Lit {
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
     ) -> Bands {
-        let faces = self
-            .rims
-            .iter()
-            .map(|rim| coefficients(space.nearest(rim.point())));
-        let faces: Vec<Bands> = faces.collect();
-        let far = self
-            .far
-            .as_ref()
-            .map(|far| (far, far.faces(space, coefficients)));
+        let faces = self.beside.iter().map(|beside| {
+            let face = coefficients(space.nearest(beside.rim.point()));
+            (face, beside.far.faces(space, &coefficients))
+        });
+        let faces: Vec<(Bands, Vec<Vec<Bands>>)> = faces.collect();
         std::array::from_fn(|band| {
-            let far = far
-                .as_ref()
-                .map(|(far, faces)| (*far, Ways::in_band(faces, band)));
-            band_mean(band, speed, |k| {
-                let mut sounds = vec![Sound {
-                    pressure: Complex64::ONE,
-                    length_m: self.apart_m,
-                }];
-                let wide = self
-                    .far
-                    .as_ref()
-                    .map_or(1.0, |far| wideness(k * far.wide_m));
-                let mut reflected = 0.0;
-                for (rim, face) in self.rims.iter().zip(&faces) {
-                    let Some(added) = rim.added(space, k, (face[band], wide)) else {
-                        continue;
-                    };
-                    reflected += added.reflected.norm_sqr();
-                    sounds.push(Sound {
-                        pressure: added.direct,
-                        length_m: rim.length_m,
-                    });
-                }
-                if let Some((far, faces)) = &far {
-                    sounds.extend(self.heard_around(far.sounds(space, k, faces)));
-                }
-                interference::energy(&sounds, k) + reflected
-            })
+            let of_band = |(face, far): &(Bands, Vec<Vec<Bands>>)| {
+                let far = Ways::in_band(far, band);
+                (face[band], far)
+            };
+            let faces: Vec<(f64, Vec<Vec<f64>>)> = faces.iter().map(of_band).collect();
+            band_mean(band, speed, |k| self.energy_at(space, k, &faces))
         })
     }
 
-    /// The sounds around the far side of the obstacles, weighted by the nearness of the nearest edge.
-    fn heard_around(&self, sounds: Vec<Sound>) -> impl Iterator<Item = Sound> {
-        let nearness = self.rims.iter().map(Rim::nearness);
-        let near = nearness.fold(0.0, f64::max);
-        sounds.into_iter().map(move |sound| Sound {
-            pressure: sound.pressure * near,
-            ..sound
-        })
+    /// The energy for the wave number `k`. `faces` has the pressure reflection coefficients at each edge, and at the turns
+    /// of the ways around the far side of its obstacle.
+    fn energy_at(&self, space: &impl Space, k: f64, faces: &[(f64, Vec<Vec<f64>>)]) -> f64 {
+        let detours = self.beside.iter().map(|beside| beside.rim.detour_m());
+        let least = detours.fold(f64::INFINITY, f64::min);
+        let mut sounds = vec![Sound {
+            pressure: Complex64::ONE,
+            length_m: self.apart_m,
+        }];
+        let mut reflected = 0.0;
+        for (Beside { rim, far }, (face, faces)) in self.beside.iter().zip(faces) {
+            let wide = wideness(k * far.wide_m);
+            let Some(added) = rim.added(space, k, (*face, wide)) else {
+                continue;
+            };
+            reflected += added.reflected.norm_sqr();
+            sounds.push(Sound {
+                pressure: added.direct,
+                length_m: rim.length_m,
+            });
+            // At the boundary of a shadow the ways around another obstacle are not known.
+            let near = rim.nearness() * nearness(k, least, rim.detour_m());
+            let border = far.has_border().then(|| far.at_border(k, added.behind));
+            let around = far.sounds(space, k, faces).into_iter().chain(border);
+            sounds.extend(around.map(|sound| sound.weighted(near)));
+        }
+        interference::energy(&sounds, k) + reflected
     }
 }

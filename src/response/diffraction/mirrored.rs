@@ -4,7 +4,8 @@
 //! A reflection at a plane is a straight way to the image of the source. A way that bends and is reflected is therefore a
 //! bent way in the space that consists of the scene in front of the plane and its mirror image behind it, joined at the
 //! face (Allen and Berkley 1979 for the images; Pierce 1974 for a barrier on the ground). Outside the face the plane is
-//! closed. In this space strings and edges are found as in any other.
+//! closed to a way that bends; what the ends of the face take from a free reflection follows from `face.rs`. In this space
+//! strings and edges are found as in any other.
 //!
 //! From the image of the source to the listener a string crosses the plane once: the sound is reflected before the edge
 //! or after it. From the source itself to the listener it crosses the plane twice, or not at all.
@@ -16,9 +17,14 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
-/// Distance up to which a point counts as on the face, in units of the scene's rounding: fields are marched to some tens
+/// Distance up to which a point counts as on a face, in units of the scene's rounding: fields are marched to some tens
 /// of units.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
+
+/// Distance in metres up to which a point counts as on a face.
+pub(super) fn on_face_m(exact: &ExactScene) -> f64 {
+    TOUCH_IN_ROUNDINGS * exact.rounding()
+}
 
 /// A plane face that reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +41,8 @@ pub(in crate::response) struct Mirror {
 pub(super) struct MirroredSpace<'a> {
     pub exact: &'a ExactScene,
     pub mirror: Mirror,
+    /// Whether the plane is closed beside the face; otherwise it reflects there too.
+    pub has_ends: bool,
 }
 
 impl Mirror {
@@ -95,7 +103,7 @@ impl Mirror {
 
 impl Space for MirroredSpace<'_> {
     fn first(&self, origin: DVec3, direction: DVec3, until: f64) -> Option<Obstacle> {
-        let MirroredSpace { exact, mirror } = self;
+        let MirroredSpace { exact, mirror, .. } = self;
         let (start, along) = match mirror.is_behind(origin) {
             true => (mirror.image(origin), direction.reflect(mirror.normal)),
             false => (origin, direction),
@@ -105,12 +113,12 @@ impl Space for MirroredSpace<'_> {
         if descent <= 0.0 || crossing >= until {
             return exact.first(start, along, until);
         }
-        let error_m = TOUCH_IN_ROUNDINGS * exact.rounding();
+        let error_m = on_face_m(exact);
         if let Some(before) = exact.first(start, along, crossing - error_m / descent) {
             return Some(before);
         }
         let point = start + along * crossing;
-        if !exact.is_on(mirror.surface, point, error_m) {
+        if self.has_ends && !exact.is_on(mirror.surface, point, error_m) {
             // The plane has no face there.
             return Some(Obstacle {
                 metres: crossing,
@@ -396,6 +404,7 @@ mod tests {
         let space = MirroredSpace {
             exact: &scene,
             mirror: ground(1),
+            has_ends: true,
         };
         assert!(space.is_free(DVec3::new(-0.5, -1.0, 0.2), DVec3::new(0.8, 1.0, 0.0)));
         assert!(!space.is_free(DVec3::new(1.5, -1.0, 0.2), DVec3::new(1.8, 1.0, 0.0)));

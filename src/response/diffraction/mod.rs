@@ -28,6 +28,7 @@ mod brink;
 mod curvature;
 mod edge;
 mod energies;
+mod face;
 mod interference;
 mod lit;
 mod mirrored;
@@ -48,6 +49,8 @@ mod wedge;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use bend::Bend;
+use face::FaceRim;
+pub(super) use face::Reflection;
 use glam::DVec3;
 use interference::band_mean;
 pub(super) use interference::in_samples;
@@ -153,12 +156,16 @@ pub(super) fn around_mirrored(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Vec<DiffractedPath> {
-    let space = MirroredSpace { exact, mirror };
+    let space = MirroredSpace {
+        exact,
+        mirror,
+        has_ends: true,
+    };
     from_either_end(ends, |ends| space.around(ends, speed, coefficients))
 }
 
-/// The energy of the reflection at a plane face, relative to that without obstacles, by band, with the edges beside its
-/// way.
+/// The energy of the reflection at a plane face, relative to that without obstacles, by band, with the edges of obstacles
+/// beside its way.
 pub(super) fn beside_mirrored(
     exact: &ExactScene,
     mirror: Mirror,
@@ -166,7 +173,23 @@ pub(super) fn beside_mirrored(
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
 ) -> Bands {
-    MirroredSpace { exact, mirror }.beside(in_order(ends), speed, coefficients)
+    let space = MirroredSpace {
+        exact,
+        mirror,
+        has_ends: false,
+    };
+    space.beside(in_order(ends), speed, coefficients)
+}
+
+/// The energy of a path over reflections at plane faces, relative to endless faces, by band.
+pub(super) fn within_faces(exact: &ExactScene, reflections: &[Reflection], speed: f64) -> Bands {
+    let rims = reflections.iter().map(|at| FaceRim::about(exact, at));
+    let rims: Vec<FaceRim> = rims.filter(|rim| !rim.is_endless()).collect();
+    let energy = |k: f64| rims.iter().map(|rim| rim.pressure(k).norm_sqr()).product();
+    match rims.is_empty() {
+        true => [1.0; BAND_COUNT],
+        false => std::array::from_fn(|band| band_mean(band, speed, energy)),
+    }
 }
 
 /// The ways from a source to a listener around what is between them; `None` if they see each other.

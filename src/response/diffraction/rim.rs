@@ -9,7 +9,8 @@ use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
 use super::narrow::factor_of;
 use super::ring::{self, Basin, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
-use super::string::{HalfPlanes, STEP, TautString};
+use super::string::{FINE, HALF_PLANES, HalfPlanes, STEP, TautString};
+use super::tent::bisect;
 use super::wedge::{Wedge, behind_screen};
 use glam::DVec3;
 use num_complex::Complex64;
@@ -20,6 +21,9 @@ pub(super) const MOST_DETOUR_M: f64 = 4.0;
 
 /// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
 const PLANE: f64 = 0.01;
+
+/// Distance from an edge at which the normals of its faces are measured, as a share of the leg.
+const NEAR_EDGE: f64 = 0.01;
 
 /// An edge beside the way.
 pub(super) struct Rim {
@@ -33,6 +37,10 @@ pub(super) struct Rim {
     grazing: Option<Bend>,
     own: Vec<Samples>,
     lines: Vec<Samples>,
+    /// Whether the listener hears the reflections at the first and at the second face, which are paths of their own.
+    are_heard: [bool; 2],
+    /// The half-planes on the edge's side of the straight way in which it is the first obstacle.
+    pub half_planes: [bool; HALF_PLANES],
 }
 
 /// The pressures that an edge adds, relative to the direct sound.
@@ -44,6 +52,8 @@ pub(super) struct Added {
     ending: Complex64,
     /// To reflections at its faces that the listener does not hear there.
     pub reflected: Complex64,
+    /// The pressure behind the edge at the boundary of its shadow, relative to that behind a thin screen.
+    pub behind: Complex64,
 }
 
 impl Rim {
@@ -57,9 +67,9 @@ impl Rim {
         let detours = ring::detours(|azimuth| {
             let touch = match above((azimuth / STEP).round() as usize) {
                 Some(None) => None,
-                known => planes.beyond(space, azimuth, known.flatten(), MOST_DETOUR_M),
+                known => touched(space, planes, (azimuth, known.flatten()), &SIDES),
             };
-            touch.map(|touch| planes.detour_m(touch))
+            touch.map(|(touch, _)| planes.detour_m(touch))
         });
         let mut rims: Vec<Rim> = Vec::new();
         for basin in Basin::all(&detours) {
@@ -68,15 +78,21 @@ impl Rim {
                 continue;
             };
             let samples = basin.samples(&detours);
+            let side = planes.azimuth_of(rim.point());
+            let mut half_planes = [false; HALF_PLANES];
+            for index in basin.half_planes() {
+                half_planes[index] = (index as f64 * STEP - side).cos() > 0.0;
+            }
             // Beyond a string no edge is near the boundary of the direct sound.
             rim.grazing = match strings.is_empty() {
                 true => rim.touching(space),
                 false => None,
             };
+            rim.are_heard = rim.are_reflections_heard(space);
             match rims.iter_mut().find(|other| other.is_same(&rim)) {
-                Some(other) => other.own.push(samples),
+                Some(other) => other.add(samples, half_planes),
                 None => {
-                    rim.own.push(samples);
+                    rim.add(samples, half_planes);
                     rims.push(rim);
                 }
             }
@@ -92,9 +108,9 @@ impl Rim {
     ) -> Option<Rim> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let touch = planes.beyond(space, azimuth, above, MOST_DETOUR_M)?;
-            let beside = |turn: f64| planes.beyond(space, azimuth + turn, above, MOST_DETOUR_M);
-            let other = [TURN, -TURN].into_iter().find_map(beside)?;
+            let (touch, side) = touched(space, planes, (azimuth, above), &SIDES)?;
+            let beside = |turn: f64| touched(space, planes, (azimuth + turn, above), &[side]);
+            let (other, _) = [TURN, -TURN].into_iter().find_map(beside)?;
             let edge = Edge {
                 point: touch,
                 along: (other - touch).try_normalize()?,
@@ -128,6 +144,16 @@ impl Rim {
             own: Vec::new(),
             grazing: None,
             lines: all_samples(&lines),
+            are_heard: [false; 2],
+            half_planes: [false; HALF_PLANES],
+        }
+    }
+
+    /// Adds half-planes in which tents touch the edge.
+    fn add(&mut self, samples: Samples, half_planes: [bool; HALF_PLANES]) {
+        self.own.push(samples);
+        for (known, added) in self.half_planes.iter_mut().zip(half_planes) {
+            *known |= added;
         }
     }
 
@@ -159,6 +185,24 @@ impl Rim {
         is_edge(1.0) || is_edge(0.1)
     }
 
+    /// Whether the points of reflection at the planes of both faces lie on the faces, near the edge or far from it.
+    fn are_reflections_heard(&self, space: &impl Space) -> [bool; 2] {
+        let ends = [self.source, self.listener];
+        [0, 1].map(|face| {
+            let beside = [ends[face], ends[1 - face]];
+            let radius = NEAR_EDGE * self.edge.point.distance(beside[0]);
+            let Some((_, normal)) = self.edge.face_beside(space, beside, radius) else {
+                return false;
+            };
+            let heights = ends.map(|end| (end - self.edge.point).dot(normal));
+            let share = heights[0] / (heights[0] + heights[1]);
+            let point = self.source.lerp(self.listener, share)
+                - normal * (2.0 * heights[0] * heights[1] / (heights[0] + heights[1]));
+            let error = ON_SURFACE * self.length_m;
+            heights.iter().all(|height| *height > 0.0) && space.distance(point).abs() <= error
+        })
+    }
+
     /// Distance in metres from the edge at which sound of the wave number `k` perceives its faces.
     fn face_m(&self, k: f64) -> f64 {
         let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
@@ -187,11 +231,12 @@ impl Rim {
             None if round == 1.0 => Added::default(),
             None => return None,
         };
-        let mut ratio = Complex64::ONE;
+        let [mut ratio, mut behind] = [Complex64::ONE; 2];
         if let Some(grazing) = &self.grazing {
-            // Twice the pressure at the boundary of the shadow: an edge halves it.
-            let creeping = 2.0 * grazing.pressure(space, k, &[face])?;
-            ratio = 1.0 + (factor_of(creeping, wide) - 1.0) * round;
+            // Twice the pressures at the boundary of the shadow: an edge of a thin screen halves it.
+            behind = factor_of(2.0 * grazing.pressure(space, k, &[face])?, wide);
+            let edge = 2.0 * grazing.edge_pressure(space, k, face);
+            ratio = behind / (edge * (1.0 - round) + round);
             added.direct = added.direct * (1.0 - round) - straight * round;
             added.ending *= 1.0 - round;
             added.reflected *= 1.0 - round;
@@ -201,6 +246,7 @@ impl Rim {
             direct: (added.direct * (2.0 - ratio) + added.ending * ratio) * strength,
             ending: Complex64::ZERO,
             reflected: added.reflected * strength,
+            behind,
         })
     }
 
@@ -211,15 +257,18 @@ impl Rim {
             ..Added::default()
         };
         let shares = wedge.shares_of_direct();
-        for (term, share) in diffracted.reflected.into_iter().zip(shares) {
+        let terms = diffracted.reflected.into_iter().zip(shares);
+        for ((term, share), is_heard) in terms.zip(self.are_heard) {
             added.ending += face * share * term;
-            added.reflected += face * (1.0 - share * share).sqrt() * term;
+            if !is_heard {
+                added.reflected += face * (1.0 - share * share).sqrt() * term;
+            }
         }
         added
     }
 
     /// Difference in metres between the way over the edge and the straight way.
-    fn detour_m(&self) -> f64 {
+    pub fn detour_m(&self) -> f64 {
         self.length_m - self.source.distance(self.listener)
     }
 
@@ -244,4 +293,53 @@ impl Rim {
     pub fn point(&self) -> DVec3 {
         self.edge.point
     }
+}
+
+/// Directions along a face.
+const SIDES: [f64; 2] = [1.0, -1.0];
+
+/// The point at which an obstacle above the straight line, or above a string, touches the lowest tent that it blocks. If a
+/// tent touches a plane face, it is the end of the face with the shortest detour, of those on these sides. Also the side.
+fn touched(
+    space: &impl Space,
+    planes: &HalfPlanes,
+    (azimuth, above): (f64, Option<&TautString>),
+    sides: &[f64],
+) -> Option<(DVec3, f64)> {
+    let touch = planes.beyond(space, azimuth, above, MOST_DETOUR_M)?;
+    let along = planes.along_face(space, azimuth, touch)?;
+    let end = |side: &f64| Some((end_of_face(space, planes, touch, along * *side)?, *side));
+    let ends = sides.iter().filter_map(end);
+    let nearest = ends.min_by(|a, b| planes.detour_m(a.0).total_cmp(&planes.detour_m(b.0)));
+    Some(nearest.unwrap_or((touch, sides[0])))
+}
+
+/// Distance at which the search for the end of a face begins, as a share of the distance between source and listener, and
+/// the factor between distances that are tried.
+const FIRST: f64 = 0.01;
+const LONGER: f64 = 1.5;
+/// Distance from a face up to which a point is on it, as a share of the distance between source and listener.
+const ON_FACE: f64 = 10.0 * FINE;
+
+/// The end of a plane face along a unit vector from a point on it; `None` if the surface is curved, or goes on.
+fn end_of_face(
+    space: &impl Space,
+    planes: &HalfPlanes,
+    touch: DVec3,
+    along: DVec3,
+) -> Option<DVec3> {
+    let error = ON_FACE * planes.apart_m();
+    let height = |metres: f64| space.distance(touch + along * metres);
+    let mut on_face = 0.0;
+    let mut next = FIRST * planes.apart_m();
+    while height(next) <= error {
+        if height(next) < -error || planes.detour_m(touch + along * next) > MOST_DETOUR_M {
+            return None;
+        }
+        on_face = next;
+        next *= LONGER;
+    }
+    let (_, end) = bisect(next, on_face, error, |metres| height(metres) <= error);
+    // A curved surface leaves its tangent before.
+    (height(0.5 * end) < 0.1 * error).then(|| touch + along * end)
 }

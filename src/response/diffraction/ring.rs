@@ -139,6 +139,12 @@ impl Basin {
         Some((basin, longest))
     }
 
+    /// The indices of its half-planes.
+    pub fn half_planes(&self) -> impl Iterator<Item = usize> {
+        let first = self.shortest + HALF_PLANES - self.before;
+        (first..=first + self.before + self.after).map(|index| index % HALF_PLANES)
+    }
+
     /// Whether both half-planes next to the shortest string have strings.
     pub fn is_inner(&self, detours: &Detours) -> bool {
         let beside = [1, HALF_PLANES - 1].map(|step| (self.shortest + step) % HALF_PLANES);
@@ -240,6 +246,11 @@ impl Samples {
                 end(is_endless[1], nodes[last], -slope(last)),
             ],
         }
+    }
+
+    /// The shortest detour in metres.
+    pub fn least(&self) -> f64 {
+        self.detours.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// The integral of exp(ikδ), times a factor that changes from half-plane to half-plane, divided by 2π. `factor`

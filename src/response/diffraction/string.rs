@@ -128,8 +128,9 @@ pub(super) struct HalfPlanes {
     source: DVec3,
     listener: DVec3,
     axes: [DVec3; 2],
-    /// Detour in metres up to which strings lead around what is beside the straight way, if that is free.
-    beside_m: f64,
+    /// The half-planes in which strings lead around what is beside the straight way, if that is free, and the greatest detour
+    /// in metres up to which it is beside.
+    beside: Option<([bool; HALF_PLANES], f64)>,
 }
 
 impl HalfPlanes {
@@ -146,28 +147,34 @@ impl HalfPlanes {
             source,
             listener,
             axes: [up, along.cross(up)],
-            beside_m: 0.0,
+            beside: None,
         })
     }
 
-    /// The same half-planes. Where the straight way is free, strings lead around the far side of the first obstacle above
-    /// it that blocks a tent with a detour of at most `most_m` metres.
-    pub fn around_what_is_beside(self, most_m: f64) -> HalfPlanes {
+    /// Half-planes in which strings lead around the far side of what is beside the straight way: in these half-planes, around
+    /// the first obstacle above it that blocks a tent with a detour of at most `most_m` metres.
+    pub fn around_what_is_beside(
+        &self,
+        half_planes: [bool; HALF_PLANES],
+        most_m: f64,
+    ) -> HalfPlanes {
         HalfPlanes {
-            beside_m: most_m,
-            ..self
+            beside: Some((half_planes, most_m)),
+            ..*self
         }
     }
 
     /// Whether strings lead around what is beside the straight way.
     pub fn are_beside(&self) -> bool {
-        self.beside_m > 0.0
+        self.beside.is_some()
     }
 
     /// Whether an obstacle blocks the straight way, or a tent above it in the half-plane with this index.
     pub fn is_blocked(&self, space: &impl Space, index: usize) -> bool {
         let azimuth = index as f64 * STEP;
-        !self.are_beside() || self.beyond(space, azimuth, None, self.beside_m).is_some()
+        self.beside.is_none_or(|(half_planes, most_m)| {
+            half_planes[index] && self.beyond(space, azimuth, None, most_m).is_some()
+        })
     }
 
     /// Distance between the points in metres.
@@ -205,9 +212,9 @@ impl HalfPlanes {
             error,
             feet,
         };
-        let mut contacts = match self.beside_m > 0.0 {
-            true => self.contacts_beside(&plane)?,
-            false => plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?,
+        let mut contacts = match self.beside {
+            Some((_, most_m)) => self.contacts_beside(&plane, most_m)?,
+            None => plane.contacts(self.source, self.listener, MOST_INNER_DEPTH)?,
         };
         if contacts.is_empty() {
             return None;
@@ -227,13 +234,13 @@ impl HalfPlanes {
     }
 
     /// The contacts of the string around the far side of the first obstacle above the straight way.
-    fn contacts_beside(&self, plane: &Plane<impl Space>) -> Option<Vec<Contact>> {
+    fn contacts_beside(&self, plane: &Plane<impl Space>, most_m: f64) -> Option<Vec<Contact>> {
         let [a, b] = [self.source, self.listener];
         let tent = |height: f64| self.apex(MIDDLE, height, plane.up);
         let is_free = |height: f64| {
             plane.space.is_free(a, tent(height)) && plane.space.is_free(b, tent(height))
         };
-        let (blocked, _) = self.first_blocked(0.0, self.beside_m, tent, is_free)?;
+        let (blocked, _) = self.first_blocked(0.0, most_m, tent, is_free)?;
         plane.contacts_over(a, b, (&[MIDDLE], blocked), MOST_INNER_DEPTH)
     }
 
@@ -265,9 +272,11 @@ impl HalfPlanes {
     /// The strings in evenly spread half-planes, from azimuth 0.
     pub fn strings(&self, space: &impl Space) -> Vec<Option<TautString>> {
         let all = |feet: &[f64]| -> Vec<Option<TautString>> {
-            let strings = (0..HALF_PLANES)
-                .map(|index| self.string_within(space, index as f64 * STEP, COARSE, feet));
-            strings.collect()
+            let string = |index: usize| {
+                let string = || self.string_within(space, index as f64 * STEP, COARSE, feet);
+                self.is_sought(index).then(string).flatten()
+            };
+            (0..HALF_PLANES).map(string).collect()
         };
         let mut strings = all(&[]);
         if strings.iter().all(Option::is_none) {
@@ -277,13 +286,19 @@ impl HalfPlanes {
         strings
     }
 
+    /// Whether a string is sought in the half-plane with this index.
+    pub fn is_sought(&self, index: usize) -> bool {
+        self.beside
+            .is_none_or(|(half_planes, _)| half_planes[index])
+    }
+
     /// Seeks the missing strings again, with tents over the contacts of the strings in neighbouring half-planes.
     fn continue_beside(&self, space: &impl Space, strings: &mut [Option<TautString>]) {
         for step in [1, HALF_PLANES - 1] {
             for start in 0..HALF_PLANES {
                 let mut index = start;
                 while let (Some(known), next) = (&strings[index], (index + step) % HALF_PLANES) {
-                    if strings[next].is_some() {
+                    if strings[next].is_some() || !self.is_sought(next) {
                         break;
                     }
                     let feet = known
@@ -360,6 +375,18 @@ impl HalfPlanes {
         let (blocked, free) = self.first_blocked(free, most_m, apex, is_free)?;
         let (blocked, _) = bisect(blocked, free, plane.error, is_free);
         Some(plane.touched(self.source, apex(blocked), self.listener))
+    }
+
+    /// Unit vector in the half-plane of an azimuth along the surface that a tent touches; `None` without a gradient.
+    pub fn along_face(&self, space: &impl Space, azimuth: f64, touch: DVec3) -> Option<DVec3> {
+        let along = (self.listener - self.source).try_normalize()?;
+        let up = self.upwards(azimuth);
+        let step = COARSE * self.apart_m();
+        let lifted = touch - up * (2.0 * step);
+        let slope = |axis: DVec3| {
+            space.distance(lifted + axis * step) - space.distance(lifted - axis * step)
+        };
+        (along * slope(up) - up * slope(along)).try_normalize()
     }
 
     /// Place of a point along the line from source to listener, as a share of its length.

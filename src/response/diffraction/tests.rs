@@ -4,7 +4,7 @@ use super::space::Space;
 use super::string::HalfPlanes;
 use super::ways::{Way, Ways};
 use super::wedge::{Wedge, shadow_function};
-use super::{Ends, around, intercepted};
+use super::{Ends, Reflection, around, beside, intercepted, within_faces};
 use crate::Scene;
 use crate::geometry::ExactScene;
 use glam::DVec3;
@@ -176,6 +176,47 @@ fn levels_beside_a_doorway_are_those_of_boundary_elements() {
     assert!(low.len() >= 10 && high.len() >= 15, "{low:?}, {high:?}");
     let [low, high] = [low, high].map(|errors| root_mean_square(&errors));
     assert!(low < 1.5 && high < 4.0, "{low} dB, {high} dB");
+}
+
+/// Levels in dB of a line source at the height `e` in metres above the top of a rigid bar, 3 m on one side of its middle, at
+/// the same height 3 m on the other side, relative to the open: means of octave bands from 125 Hz to 2 kHz by
+/// `pressures(k, bar(k, width), …)` of scripts/references/boundary_elements.py. Width of the bar, `e`, levels.
+const ABOVE_BARS: [(f64, f64, [f64; 5]); 6] = [
+    (0.1, 0.005, [-7.65, -3.98, -5.95, -5.22, -5.49]),
+    (0.2, 0.005, [-7.5, -4.11, -5.87, -5.01, -5.65]),
+    (0.2, 0.05, [-6.74, -3.98, -5.11, -4.13, -4.4]),
+    (0.2, 0.5, [-1.44, -1.82, -0.36, 0.69, 0.78]),
+    (0.5, 0.005, [-6.87, -4.27, -5.55, -5.0, -5.48]),
+    (0.5, 0.2, [-3.95, -3.6, -2.59, -2.01, -1.11]),
+];
+
+/// Protects levels along the top of a wall, which hides nothing and hardly reflects: direct sound and reflection together
+/// are within 1.5 dB of the boundary-element values.
+#[test]
+fn levels_above_bars_are_those_of_boundary_elements() {
+    for (width, above_m, exact_db) in ABOVE_BARS {
+        let ends = [-3.0, 3.0].map(|x| DVec3::new(x, 1.0 + above_m, 0.0));
+        let bar = format!("Surface(shape: Box(size: ({width}, 2, 1000)))");
+        let exact = exact(&bar, ends.into());
+        let way_m = 3.0_f64.hypot(above_m);
+        let reflection = Reflection {
+            point: DVec3::Y,
+            away: DVec3::new(3.0, above_m, 0.0) / way_m,
+            normal: DVec3::Y,
+            before_m: way_m,
+            after_m: way_m,
+        };
+        let direct = beside(&exact, ends.into(), SPEED, |_| [1.0; 8]);
+        let reflected = within_faces(&exact, &[reflection], SPEED);
+        for (band, exact_db) in (1..).zip(exact_db) {
+            let energy = direct[band] + reflected[band] * (3.0 / way_m).powi(2);
+            let level = 10.0 * energy.log10();
+            assert!(
+                (level - exact_db).abs() < 1.5,
+                "{width} m, {above_m} m above, band {band}: {level} dB, exact {exact_db} dB"
+            );
+        }
+    }
 }
 
 /// The level of a single frequency around what hides a source, relative to the open; `None` in the light.

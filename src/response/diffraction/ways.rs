@@ -40,6 +40,9 @@ pub(super) struct Ways {
     towards_shortest: DVec3,
     /// Edges beside the ways.
     rims: Vec<Rim>,
+    /// Strings around the far side of what is beside a free way, in half-planes next to free ones: behind the obstacle they
+    /// belong to the way over the edge that is beside the free way here.
+    border: Vec<Samples>,
     /// Distance between the points in metres.
     pub apart_m: f64,
     /// Wavelength over 2π in metres at which the factors of the ways count half.
@@ -90,9 +93,11 @@ impl Ways {
             add_lines(space, planes, bend, &mut detours);
         }
         let mut bends: Vec<Way> = Vec::new();
+        let mut border = Vec::new();
         let wide_m = wide_m(space, planes, (&strings, &detours));
         for basin in Basin::all(&detours) {
             if planes.are_beside() && !basin.is_inner(&detours) {
+                border.push(basin.samples(&detours));
                 continue;
             }
             let turned = |bend: &&Bend| basin.turns_from(bend.azimuth);
@@ -111,12 +116,11 @@ impl Ways {
             }
         }
         if planes.are_beside() && bends.is_empty() {
-            bends.extend(Way::around_far_side(
-                space,
-                planes,
-                (&strings, &detours),
-                wide_m,
-            ));
+            let far = Way::around_far_side(space, planes, (&strings, &detours), wide_m);
+            if let Some(far) = far {
+                bends.push(far);
+                border.clear();
+            }
         }
         let lengths = detours.iter().enumerate();
         let lengths = lengths.filter_map(|(index, detour)| Some((index, (*detour)?)));
@@ -124,6 +128,7 @@ impl Ways {
         Ways {
             towards_shortest: planes.upwards(shortest.map_or(0, |(index, _)| index) as f64 * STEP),
             rims: Rim::all(space, planes, &strings),
+            border,
             bends,
             apart_m,
             wide_m,
@@ -197,6 +202,21 @@ impl Ways {
             })
         });
         ways.chain(added).collect()
+    }
+
+    /// The sound of the strings in half-planes next to free ones for the wave number `k`, relative to the open. `behind` is
+    /// the pressure behind the edge beside the free way, relative to that behind a thin screen.
+    pub fn at_border(&self, k: f64, behind: Complex64) -> Sound {
+        let detours = self.border.iter().map(Samples::least);
+        Sound {
+            pressure: behind * ring::sum(&self.border, k),
+            length_m: self.apart_m + detours.fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// Whether strings lead around what is beside a free way next to free half-planes.
+    pub fn has_border(&self) -> bool {
+        !self.border.is_empty()
     }
 
     /// The coefficients of rigid surfaces, for [`Ways::sounds`].
@@ -402,8 +422,14 @@ fn wide_m(
     if (0..HALF_PLANES).all(is_around) {
         return detours.iter().flatten().copied().fold(0.0, f64::max) / NARROW;
     }
-    let basins = Basin::all(detours);
-    if basins.len() < 2 && !planes.are_beside() {
+    // Beside a free way, the way over the edge that is beside it is not among them.
+    let mut basins = Basin::all(detours);
+    let least = match planes.are_beside() {
+        true => 1,
+        false => 2,
+    };
+    basins.retain(|basin| !planes.are_beside() || basin.is_inner(detours));
+    if basins.len() < least {
         return f64::INFINITY;
     }
     let of_ways = basins.iter().filter_map(|basin| detours[basin.shortest]);
@@ -414,7 +440,8 @@ fn wide_m(
 fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut Detours) {
     for (index, detour) in detours.iter_mut().enumerate() {
         let azimuth = index as f64 * STEP;
-        if detour.is_some() || !bend.is_free_over_lines(space, planes, azimuth) {
+        let is_sought = detour.is_none() && planes.is_sought(index);
+        if !is_sought || !bend.is_free_over_lines(space, planes, azimuth) {
             continue;
         }
         let length = bend.length_over_lines(planes, azimuth);

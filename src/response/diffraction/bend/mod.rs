@@ -3,7 +3,7 @@
 mod pressure;
 
 use super::brink::Brink;
-use super::curvature::{TOUCH, curvature, least_curvature_step_m, on_surface, turns_of};
+use super::curvature::{curvature, least_curvature_step_m, on_surface, turns_of};
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, shorten};
 use super::round::Arc;
 use super::space::Space;
@@ -72,8 +72,8 @@ impl Bend {
         last
     }
 
-    /// The way that just touches `edge` on the line from the source, `after_m` metres before its end. `outwards` points
-    /// away from the solid.
+    /// The way over `edge` just below the boundary of the shadow, `after_m` metres before its end. `outwards` points away from
+    /// the solid.
     pub fn grazing(
         space: &impl Space,
         source: DVec3,
@@ -82,24 +82,22 @@ impl Bend {
         outwards: DVec3,
     ) -> Option<Bend> {
         let along = (edge.point - source).try_normalize()?;
-        let end = edge.point + along * after_m;
-        let step = TOUCH * source.distance(edge.point).min(after_m);
-        let curvature = curvature(space, edge.point, along, step);
-        let radius_m = 1.0 / curvature.max(f64::MIN_POSITIVE);
-        let turn = Turn {
-            angle: GRAZING,
-            ..Turn::along(source, &[edge.point], end)
-        };
-        let turn = turn.with_radius(radius_m.min(after_m));
-        Some(Bend {
-            points: vec![source, edge.point, end],
+        let below = along - outwards.reject_from_normalized(along) * GRAZING;
+        let end = edge.point + below.try_normalize()? * after_m;
+        let points = vec![source, edge.point, end];
+        let turn = Turn::along(source, &[edge.point], end);
+        let length_m = string::length(&points);
+        let turn = on_surface(space, &turn, &points, least_curvature_step_m(length_m));
+        let grazing = Bend {
+            points,
             azimuth: 0.0,
             outwards,
-            length_m: source.distance(end),
+            length_m,
             turns: vec![turn],
             edges: vec![edge],
             brinks: [None; 2],
-        })
+        };
+        Some(grazing.with_brinks(space))
     }
 
     /// A string and the lines of its edges, from the string in a half-plane next to its own.

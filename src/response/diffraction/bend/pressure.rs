@@ -32,11 +32,7 @@ impl Bend {
         let Some(width_m) = widths.min_by(f64::total_cmp) else {
             return Some(product);
         };
-        let whole = Bend {
-            brinks: [None; 2],
-            ..self.clone()
-        };
-        let whole = whole.product(space, k, faces)?;
+        let whole = self.with_endless_faces().product(space, k, faces)?;
         let [before, after] = [0, 1].map(|side| self.brink_factor(space, side, k, faces));
         // At the boundary of its shadow the end of a face is an edge of the string, far above it none.
         let hidden = 2.0 * (1.0 - before.norm().min(after.norm())).clamp(0.0, 0.5);
@@ -153,14 +149,30 @@ impl Bend {
             factor += round * 0.5 * (1.0 + face) * self.arc(index).pressure(k);
         }
         if round < 1.0 {
-            let edge = match self.wedge(space, index, k, 1.0) {
-                Some(wedge) => wedge.behind(k, face),
-                // A body that is smaller than the zone has no faces there.
-                None => 0.5 * shadow_function(self.arc(index).argument(k)),
-            };
-            factor += (1.0 - round) * edge;
+            factor += (1.0 - round) * self.edge_at(space, index, k, face);
         }
         Some((factor, round < 0.5))
+    }
+
+    fn edge_at(&self, space: &impl Space, index: usize, k: f64, face: f64) -> Complex64 {
+        match self.wedge(space, index, k, 1.0) {
+            Some(wedge) => wedge.behind(k, face),
+            // A body that is smaller than the zone has no faces there.
+            None => 0.5 * shadow_function(self.arc(index).argument(k)),
+        }
+    }
+
+    /// Pressure at the listener for the wave number `k` by the first turn as an edge of faces without ends, relative to the
+    /// open at the way's length.
+    pub fn edge_pressure(&self, space: &impl Space, k: f64, face: f64) -> Complex64 {
+        self.with_endless_faces().edge_at(space, 0, k, face)
+    }
+
+    fn with_endless_faces(&self) -> Bend {
+        Bend {
+            brinks: [None; 2],
+            ..self.clone()
+        }
     }
 
     /// How much a turn is round to sound of the wave number `k`, from 0 at an edge to 1: the angle between the faces of
