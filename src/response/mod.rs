@@ -166,8 +166,8 @@ pub struct Response {
     /// Time in milliseconds, including the compilation of new shaders. Listeners that share waves share their time in equal
     /// parts.
     pub milliseconds: f64,
-    /// The part of `milliseconds` that diffraction took. It hardly depends on the number of waves. 0 without
-    /// diffraction.
+    /// Time in milliseconds that diffraction took for this listener, in the last search of its paths. It hardly depends on
+    /// the number of waves, and is not shared with other listeners. 0 without diffraction.
     pub diffraction_milliseconds: f64,
 }
 

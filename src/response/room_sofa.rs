@@ -140,11 +140,22 @@ fn bytes(title: &str, measurements: &[RoomMeasurement]) -> Result<Vec<u8>, SofaP
     })
 }
 
-/// The names of all measurements, by number.
+/// Maximum length of the comment in bytes. An attribute of netCDF-4 has at most 64 KiB with its name.
+const LONGEST_COMMENT: usize = 60_000;
+
+/// The names of the measurements, by number, as many as fit.
 fn comment(measurements: &[RoomMeasurement]) -> String {
-    let numbered = (1..).zip(measurements);
-    let names = numbered.map(|(number, one)| format!("{number}: {}", one.name));
-    names.collect::<Vec<String>>().join("; ")
+    let mut comment = String::new();
+    for (number, measured) in (1..).zip(measurements) {
+        let name = format!("{number}: {}", measured.name);
+        if comment.len() + name.len() > LONGEST_COMMENT {
+            comment.push_str("; and so on");
+            break;
+        }
+        let gap = if comment.is_empty() { "" } else { "; " };
+        comment.extend([gap, &name]);
+    }
+    comment
 }
 
 /// The number of samples of the longest channel.

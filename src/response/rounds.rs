@@ -67,11 +67,13 @@ pub(super) fn trace(
         let all = all.and_then(|wanted| match accuracy.time_limit_s {
             Some(limit_s) => {
                 let keeps_waves = open.keeps_waves(&of_round, next.seconds);
+                // The figures of the round are counted too.
+                let now_s = began.elapsed().as_secs_f64();
                 let took = Took {
-                    last_s: elapsed_s - before_s,
-                    extended_s: keeps_waves.then_some(elapsed_s - tallies_began_s),
+                    last_s: now_s - before_s,
+                    extended_s: keeps_waves.then_some(now_s - tallies_began_s),
                 };
-                wanted.fitting(limit_s - began.elapsed().as_secs_f64(), next, took)
+                wanted.fitting(limit_s - now_s, next, took)
             }
             None => Some(wanted),
         });

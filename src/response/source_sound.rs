@@ -7,6 +7,8 @@ use crate::response::exact_paths::SpecularPath;
 use crate::response::{Arrival, Echogram, Figures, Tap};
 use crate::sampling::hash;
 use crate::scene::{Listener, Material, Pair, Scene};
+use crate::shader::common_scattering;
+use crate::tracer::resampled_band_groups;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -77,9 +79,15 @@ pub(super) fn reflections(path: &SpecularPath) -> impl Iterator<Item = (u32, Opt
         .zip(path.walls.iter().copied())
 }
 
-/// The share of waves not scattered at these surfaces and walls, averaged over the bands.
+/// The share of waves not scattered at these surfaces and walls, averaged over the bands. The waves of a group of bands
+/// scatter with the common share of the group.
 pub(super) fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Option<u8>)>) -> f64 {
-    let mirrored = |material: &Material, band: usize| 1.0 - material.scattering[band];
+    let groups = resampled_band_groups(scene);
+    let mirrored = |material: &Material, band: usize| {
+        let group = groups.iter().find(|group| group.contains(&band));
+        let scattered = group.map(|group| common_scattering(material, group));
+        1.0 - scattered.unwrap_or(material.scattering[band])
+    };
     bands::mean(&along(scene, at, mirrored))
 }
 

@@ -296,7 +296,7 @@ pub enum Warning {
         /// Labels of the surfaces and walls: `1/floor`, `surface 2 (Sphere)`.
         surfaces: Vec<String>,
     },
-    /// A user's field that is solid at all samples in its box, or air at all samples.
+    /// A user's field or a grid that is solid at all samples in its box, or air at all samples.
     OneSided {
         /// The surface.
         surface: String,

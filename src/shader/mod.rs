@@ -41,7 +41,7 @@ pub use cells::Lists;
 pub(crate) use compiled_scene::CompiledScene;
 pub use layout::Layout;
 pub use materials::Materials;
-pub(crate) use materials::band_groups;
+pub(crate) use materials::{band_groups, common_scattering};
 pub(crate) use origin_rebasing::OriginRebasing;
 pub use pass_texts::Directions;
 #[cfg(feature = "picture")]

@@ -15,11 +15,18 @@ use std::fmt::Write;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TreeError {
-    /// An operation without a counterpart in a field: a comparison, a logical operation, or a random number.
+    /// An operation without a counterpart in a field: a comparison, a logical operation, a mix of bits, rounding to the
+    /// nearest number, or a random number.
     #[error("the operation {name} is not supported in a field")]
     Operation {
         /// Name of the operation in fidget.
         name: String,
+    },
+    /// A number that is not finite.
+    #[error("the tree contains {number}: only finite numbers are possible in a field")]
+    Number {
+        /// The number.
+        number: f32,
     },
     /// A variable other than x, y and z.
     #[error("the tree has a variable besides x, y and z: replace it with a number")]
@@ -101,7 +108,8 @@ fn text(step: &Step) -> Result<String, TreeError> {
     Ok(match *step {
         Step::Axis(axis) => format!("p[{axis}]"),
         // The exponent form is a float in GLSL for every number.
-        Step::Number(number) => format!("{number:e}"),
+        Step::Number(number) if number.is_finite() => format!("{number:e}"),
+        Step::Number(number) => return Err(TreeError::Number { number }),
         Step::One(op, a) => match op {
             UnaryOpcode::Neg => format!("-v{a}"),
             UnaryOpcode::Recip => format!("1.0 / v{a}"),

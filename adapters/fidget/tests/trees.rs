@@ -56,7 +56,7 @@ fn assert_values(field: &UserField, tree: &Tree) {
     }
 }
 
-/// Protects the value of each operation.
+/// Protects the value of each operation on the CPU. The tracer compares it with the text on the GPU.
 #[test]
 fn every_operation_has_the_value_of_fidget() {
     let (x, y, z) = Tree::axes();
@@ -97,4 +97,6 @@ fn unsupported_trees_are_refused() {
     let compared = refused(Tree::x().compare(Tree::y()));
     assert!(compared.to_string().contains("Compare"), "{compared}");
     assert_eq!(refused(Tree::from(Var::new()) + 1.0), TreeError::Variable);
+    let endless = refused(Tree::x() + f32::INFINITY);
+    assert!(matches!(endless, TreeError::Number { .. }), "{endless}");
 }

@@ -131,7 +131,9 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let names = FileNames::of(&pairs);
     arguments.check_files(&names)?;
     let format = arguments.format()?;
-    arguments.check_sofa(pairs.len() * format.channels())?;
+    if let Some(seconds) = arguments.seconds {
+        arguments.check_sofa(pairs.len() * format.channels(), seconds)?;
+    }
     let mut tracer = common.tracer()?;
     notes::tell_first(common, &scene);
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
@@ -145,7 +147,6 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     for (index, (pair, response)) in heard.iter().enumerate() {
         files::write(arguments, pair, response, |given| names.file(given, index))?;
     }
-    files::write_impulses(arguments, &format, &heard, &names)?;
     bar.finish_and_clear();
     if let Some(file) = &arguments.csv {
         write_whole(file, |out| files::write_figures(&heard, out))?;
@@ -154,9 +155,12 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     notes::tell(common, &heard);
     if common.json {
         let renderer = tracer.context().renderer();
-        return print::json(&print_out::report(&scene, renderer, &settings, &heard));
+        print::json(&print_out::report(&scene, renderer, &settings, &heard))?;
+    } else {
+        print_out::text(&scene, &settings, &heard)?;
     }
-    print_out::text(&scene, &settings, &heard)
+    // The impulse responses come last: if they do not fit into a file, nothing else is lost.
+    files::write_impulses(arguments, &format, &heard, &names)
 }
 
 impl Arguments {
@@ -253,12 +257,11 @@ impl Arguments {
         Ok(())
     }
 
-    /// Checks the size of a SOFA file with this number of channels of all pairs, if the length of a response is known.
-    fn check_sofa(&self, channels: usize) -> Result<(), BadInput> {
-        let is_sofa = self.output.as_deref().is_some_and(is_sofa);
-        let (Some(seconds), true) = (self.seconds, is_sofa) else {
+    /// Checks the size of a SOFA file with this number of channels of all pairs, and responses of this length.
+    fn check_sofa(&self, channels: usize, seconds: f64) -> Result<(), BadInput> {
+        if !self.output.as_deref().is_some_and(is_sofa) {
             return Ok(());
-        };
+        }
         let samples = channels as f64 * (seconds * f64::from(self.rate)).ceil();
         let limit = RoomMeasurement::MOST_SAMPLES;
         if samples <= limit as f64 {

@@ -129,7 +129,7 @@ pub enum SofaProblem {
     /// The file cannot be written.
     #[error("it cannot be written: {reason}")]
     NotWritten {
-        /// The operating system's error.
+        /// The error of the operating system or of the encoder.
         reason: std::io::Error,
     },
 }

@@ -56,7 +56,7 @@ pub(super) struct FaceRim {
     samples: Vec<Samples>,
 }
 
-/// Where a point of the face's plane lies.
+/// The place of a point of the face's plane.
 #[derive(PartialEq)]
 enum Place {
     Face,

@@ -108,6 +108,9 @@ fn worse(known: Option<Withheld>, other: Withheld) -> Withheld {
     }
 }
 
+/// The least advised growth of the number of waves.
+const LEAST_FACTOR: f64 = 1.1;
+
 /// The cause, and the factor by which the number of waves must grow. `most` is the factor up to the maximum number.
 fn cause(withheld: Option<Withheld>, factor: f64, most: f64) -> String {
     let cause = match withheld {
@@ -122,8 +125,13 @@ fn cause(withheld: Option<Withheld>, factor: f64, most: f64) -> String {
         _ => "few arrivals".to_owned(),
     };
     match factor.is_finite() {
-        true if factor > most => format!("{cause}; takes more waves than can be traced"),
-        true => format!("{cause}; takes {:.1} times the waves", factor.max(1.1)),
+        true if factor.max(LEAST_FACTOR) > most => {
+            format!("{cause}; takes more waves than can be traced")
+        }
+        true => format!(
+            "{cause}; takes {:.1} times the waves",
+            factor.max(LEAST_FACTOR)
+        ),
         false => format!("{cause}; no wave arrives after the end of the decay"),
     }
 }

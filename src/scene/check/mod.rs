@@ -1,12 +1,5 @@
 //! Checks of a scene: errors if it cannot be traced, warnings if it is unusual.
 
-/// Whether all values are in the solid; `None` if some are in the air and some in the solid.
-fn one_side(values: &[f32]) -> Option<bool> {
-    let is_solid = values.iter().all(|value| *value <= 0.0);
-    let is_air = values.iter().all(|value| *value >= 0.0);
-    (is_solid || is_air).then_some(is_solid)
-}
-
 #[cfg(test)]
 mod tests;
 
@@ -628,4 +621,12 @@ impl Scene {
         };
         Some((solid, -nearest.distance))
     }
+}
+
+/// Whether all values are in the solid; `None` if some are in the air and some in the solid. Zeros count as either, and
+/// zeros alone as solid.
+fn one_side(values: &[f32]) -> Option<bool> {
+    let is_solid = values.iter().all(|value| *value <= 0.0);
+    let is_air = values.iter().all(|value| *value >= 0.0);
+    (is_solid || is_air).then_some(is_solid)
 }

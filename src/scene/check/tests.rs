@@ -1,8 +1,10 @@
 //! Scenes that are rejected, and scenes with warnings.
 
 use super::*;
-use crate::scene::shape::{Cuboid, Room, Sphere};
-use crate::scene::{Air, Node, Warning};
+use crate::scene::shape::{Cuboid, Grid, Room, Sphere};
+use crate::scene::{Air, Node, SampledField, Warning};
+use glam::UVec3;
+use std::sync::Arc;
 
 fn room() -> Scene {
     Scene::new(
@@ -283,4 +285,26 @@ fn odd_places_are_warned_of() {
         [Warning::SourceInsideListener { .. }]
     ));
     assert!(scene.validate().is_ok());
+}
+
+/// Protects users from a grid with an inverted sign, or without a surface.
+#[test]
+fn a_grid_without_a_surface_is_warned_of() {
+    let warned = |values: Vec<f32>| {
+        let field = SampledField::new("far.npy", UVec3::splat(2), 1.0, values).unwrap();
+        let grid = Surface::new(Grid {
+            field: Arc::new(field),
+        });
+        let (source, listener) = (Source::at(Vec3::X * 9.0), Listener::at(Vec3::Y * 9.0, 0.3));
+        let warnings = Scene::new("grid", vec![grid], source, listener).warnings();
+        let texts = warnings.iter().map(ToString::to_string);
+        texts.collect::<Vec<String>>()
+    };
+    for (value, side) in [(1.0, "air"), (-1.0, "solid"), (0.0, "solid")] {
+        let warnings = warned(vec![value; 8]);
+        let told = format!("far.npy is all {side}");
+        let is_told = warnings.iter().filter(|warning| warning.contains(&told));
+        assert_eq!(is_told.count(), 1, "{warnings:?}");
+    }
+    assert!(warned([[1.0; 4], [-1.0; 4]].concat()).is_empty());
 }

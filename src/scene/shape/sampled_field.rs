@@ -1,6 +1,7 @@
 //! Distances sampled on a grid by another program, and their trilinear interpolation.
 
 use super::npy;
+use super::part::LARGEST;
 use crate::file_input::read;
 use crate::scene::SceneError;
 use glam::{DVec3, IVec3, UVec3};
@@ -14,6 +15,9 @@ const LARGEST_FILE: u64 = 8 * MOST_SAMPLES as u64 + (1 << 16);
 
 /// Range of the distance between two samples, in metres.
 const CELLS_M: std::ops::RangeInclusive<f32> = 1e-4..=1e4;
+
+/// Greatest slope of the values, in metres per metre, as for a user's field.
+const STEEPEST: f64 = 1e6;
 
 /// Greatest size of a value in metres.
 const GREATEST_M: f32 = 1e6;
@@ -53,7 +57,8 @@ impl SampledField {
     ///
     /// # Errors
     /// [`SceneError::BadSampledField`] for fewer than two samples along an axis, more than 4,194,304 samples, a wrong
-    /// number of values, values that are not finite or beyond 1e6 m, and a cell outside 0.0001 to 10,000 m.
+    /// number of values, values that are not finite or beyond 1e6 m, differences beyond 1e6 times the distance, and a cell
+    /// outside 0.0001 to 10,000 m.
     pub fn new(
         name: &str,
         size: UVec3,
@@ -92,6 +97,18 @@ impl SampledField {
             steepest: 0.0,
         };
         field.steepest = field.find_steepest();
+        if field.steepest > STEEPEST {
+            let found = field.steepest;
+            return refused(format!(
+                "neighbouring values differ by {found:.1e} times their distance: at most 1e6 is possible"
+            ));
+        }
+        let longest = 2.0 * field.half_size().max_element();
+        if longest > f64::from(LARGEST) {
+            return refused(format!(
+                "it is {longest:.1e} m long: at most 1e9 m are possible"
+            ));
+        }
         Ok(field)
     }
 
@@ -278,6 +295,7 @@ mod tests {
             (two, f32::NAN, vec![0.0; 8], "its cell must be"),
             (two, 0.1, vec![f32::NAN; 8], "it contains NaN"),
             (two, 0.1, vec![1e7; 8], "it contains 1e7"),
+            (two, 1e-3, [[1e6; 4], [-1e6; 4]].concat(), "2.0e9 times"),
         ];
         for (size, cell, values, told) in cases {
             let why = SampledField::new("f.npy", size, cell, values)

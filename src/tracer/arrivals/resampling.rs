@@ -49,8 +49,7 @@ pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
 
 impl Block {
     /// Replaces the travelling waves by as many waves of about equal energy, if the importance of a wave is far above the
-    /// mean.
-    /// `random` is uniform in 0 … 1. Returns the original's texel for each texel of the grid.
+    /// mean. `random` is uniform in 0 … 1. Returns the original's texel for each texel of the grid.
     pub fn resample(&mut self, random: f64) -> Option<Vec<u32>> {
         let travelling = self.travelling();
         if travelling.len() < LEAST_WAVES {

@@ -71,6 +71,9 @@ fn write_sofa(
     format: &Format,
     heard: &[(NamedPair, Response)],
 ) -> anyhow::Result<()> {
+    let seconds = heard.iter().map(|(_, response)| response.seconds);
+    let longest_s = seconds.fold(0.0, f64::max);
+    arguments.check_sofa(heard.len() * format.channels(), longest_s)?;
     let measured = heard.iter().map(|(pair, response)| {
         let impulse = impulse(arguments, format, pair, response)?;
         Ok(RoomMeasurement::of(pair.pair, impulse).map_err(Error::from)?)

@@ -43,7 +43,7 @@ fn a_sofa_file_has_the_samples_of_all_pairs() {
     }
 }
 
-/// Protects users who mistype the name or ask for too much: both is told before anything is traced.
+/// Protects users who mistype the name or ask for too much: both are refused before anything is traced.
 #[test]
 fn a_file_with_another_ending_is_refused() {
     let told = "must end in .wav or .sofa";

@@ -2,10 +2,10 @@
 
 use super::{Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath, Vertex};
 use crate::geometry::ExactScene;
-use crate::scene::UserField;
-use crate::scene::shape::{Cuboid, HalfSpace, Plane, Room, Sphere, User};
+use crate::scene::shape::{Cuboid, Grid, HalfSpace, Plane, Room, Sphere, User};
+use crate::scene::{SampledField, UserField};
 use crate::{Listener, Scene, Shape, Source, Surface};
-use glam::{DVec3, EulerRot, Quat, Vec3};
+use glam::{DVec3, EulerRot, Quat, UVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -337,21 +337,31 @@ fn a_reflection_comes_from_the_air() {
     assert_eq!(found.outcomes, [Err(NoPath::NotFromTheAir), Ok(1)]);
 }
 
-/// Protects against claiming exact paths at surfaces that are known only from samples.
+/// Protects against claiming exact paths at surfaces that are known only from samples: users' fields and grids.
 #[test]
-fn users_fields_are_not_exact() {
+fn sampled_fields_are_not_exact() {
     let text = "float field(vec3 p) { return length(p) - 1.0; }".to_owned();
     let field = UserField::new("ball", text, Vec3::splat(3.0), 1.0);
     let user = Shape::from(User {
         field: Arc::new(field),
     });
-    let scene = scene(vec![Surface::new(user)], Vec3::X * 4.0, Vec3::Y * 4.0);
-    let early = EarlyPaths::new(&scene).expect("a valid scene");
-    let normal = DVec3::new(1.0, 1.0, 0.0).normalize();
-    let mut candidates = Candidates::new(1);
-    candidates.add(0, &[vertex(1, normal, normal)]);
-    let found = early.find(&Ends::of(scene.only_pair().unwrap()), &candidates);
-    assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
+    let at = |index: u32| {
+        let cell = UVec3::new(index / 49, index / 7 % 7, index % 7);
+        (cell.as_vec3() * 0.5 - 1.5).length() - 1.0
+    };
+    let samples = SampledField::new("ball", UVec3::splat(7), 0.5, (0..343).map(at).collect());
+    let grid = Shape::from(Grid {
+        field: Arc::new(samples.unwrap()),
+    });
+    for shape in [user, grid.clone(), grid.shell(0.1)] {
+        let scene = scene(vec![Surface::new(shape)], Vec3::X * 4.0, Vec3::Y * 4.0);
+        let early = EarlyPaths::new(&scene).expect("a valid scene");
+        let normal = DVec3::new(1.0, 1.0, 0.0).normalize();
+        let mut candidates = Candidates::new(1);
+        candidates.add(0, &[vertex(1, normal, normal)]);
+        let found = early.find(&Ends::of(scene.only_pair().unwrap()), &candidates);
+        assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
+    }
 }
 
 /// Protects the estimate of missed paths: it is small with many waves, large with few waves, and `None` without waves.
