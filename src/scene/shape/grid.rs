@@ -2,7 +2,7 @@
 
 use super::asset::Asset;
 use super::cuboid::box_value;
-use super::part::{Notation, arguments, parameters};
+use super::part::{LARGEST, Notation, arguments, parameters};
 use super::sampled_field::SampledField;
 use super::{Bounds3, Part, Properties, Shape};
 use crate::scene::SceneError;
@@ -48,6 +48,16 @@ impl Part for Grid {
             ("file", Written::Text(self.field.name().to_owned())),
             ("cell", Written::Number(self.field.cell())),
         ]
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let longest = 2.0 * self.field.half_size().max_element();
+        match longest <= f64::from(LARGEST) {
+            true => Ok(()),
+            false => Err(format!(
+                "its longest side must be at most 1e9 m, not {longest:e} m"
+            )),
+        }
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

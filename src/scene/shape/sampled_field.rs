@@ -1,7 +1,6 @@
 //! Distances sampled on a grid by another program, and their trilinear interpolation.
 
 use super::npy;
-use super::part::LARGEST;
 use crate::file_input::read;
 use crate::scene::SceneError;
 use glam::{DVec3, IVec3, UVec3};
@@ -101,12 +100,6 @@ impl SampledField {
             let found = field.steepest;
             return refused(format!(
                 "neighbouring values differ by {found:.1e} times their distance: at most 1e6 is possible"
-            ));
-        }
-        let longest = 2.0 * field.half_size().max_element();
-        if longest > f64::from(LARGEST) {
-            return refused(format!(
-                "it is {longest:.1e} m long: at most 1e9 m are possible"
             ));
         }
         Ok(field)
