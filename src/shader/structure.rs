@@ -95,6 +95,13 @@ impl Structure {
     }
 }
 
+/// The index of an asset among the known ones, in the scene's data.
+fn first_of<T: PartialEq>(known: &[(Arc<T>, usize)], asset: &Arc<T>) -> Option<usize> {
+    let is_it = |known: &Arc<T>| Arc::ptr_eq(known, asset) || **known == **asset;
+    let found = known.iter().find(|(known, _)| is_it(known));
+    found.map(|(_, first)| *first)
+}
+
 /// The assets that the text of a scene refers to by number, without duplicates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Assets {
@@ -161,24 +168,19 @@ impl Assets {
         places.collect()
     }
 
+    /// The index of an image in the scene's data.
     pub fn image(&self, image: &Arc<HeightImage>) -> Option<usize> {
-        let same = |known: &Arc<HeightImage>| Arc::ptr_eq(known, image) || **known == **image;
-        let known = self.images.iter().find(|(known, _)| same(known));
-        known.map(|(_, first)| *first)
+        first_of(&self.images, image)
     }
 
     /// The index of a sampled field in the scene's data.
     pub fn samples(&self, field: &Arc<SampledField>) -> Option<usize> {
-        let same = |known: &Arc<SampledField>| Arc::ptr_eq(known, field) || **known == **field;
-        let known = self.samples.iter().find(|(known, _)| same(known));
-        known.map(|(_, first)| *first)
+        first_of(&self.samples, field)
     }
 
     /// The index of a mesh in the scene's data.
     pub fn mesh(&self, mesh: &Arc<TriangleMesh>) -> Option<usize> {
-        let same = |known: &Arc<TriangleMesh>| Arc::ptr_eq(known, mesh) || **known == **mesh;
-        let known = self.meshes.iter().find(|(known, _)| same(known));
-        known.map(|(_, first)| *first)
+        first_of(&self.meshes, mesh)
     }
 
     pub fn user(&self, field: &UserField) -> Option<usize> {
