@@ -85,7 +85,8 @@ impl RoomMeasurement {
     ///
     /// # Errors
     /// [`SofaProblem::NotOneSet`] for no measurements, or for measurements with different rates or formats;
-    /// [`SofaProblem::NotWritten`] if the file cannot be written.
+    /// [`SofaProblem::TooManySamples`] for more than [`RoomMeasurement::MOST_SAMPLES`]; [`SofaProblem::NotWritten`] if the
+    /// file cannot be written.
     pub fn write_sofa(
         path: &Path,
         title: &str,
@@ -120,22 +121,22 @@ fn bytes(title: &str, measurements: &[RoomMeasurement]) -> Result<Vec<u8>, SofaP
         let what = "there are no measurements";
         return Err(SofaProblem::NotOneSet { what });
     };
-    let of = |measured: &RoomMeasurement| {
-        let impulse = &measured.impulse;
-        (impulse.rate_hz(), impulse.format().clone())
+    let (rate_hz, format) = (first.impulse.rate_hz(), first.impulse.format());
+    let is_alike = |other: &RoomMeasurement| {
+        other.impulse.rate_hz() == rate_hz && other.impulse.format() == format
     };
-    if measurements.iter().any(|other| of(other) != of(first)) {
+    if !measurements.iter().all(is_alike) {
         let what = "the measurements differ in rate or format";
         return Err(SofaProblem::NotOneSet { what });
     }
-    let samples = measurements.len() * first.impulse.channels().len() * longest(measurements);
+    let samples = measurements.len() * format.channels() * longest(measurements);
     if samples > RoomMeasurement::MOST_SAMPLES {
         return Err(SofaProblem::TooManySamples {
             samples,
             limit: RoomMeasurement::MOST_SAMPLES,
         });
     }
-    write(title, first.impulse.format(), measurements).map_err(|error| SofaProblem::NotWritten {
+    write(title, format, measurements).map_err(|error| SofaProblem::NotWritten {
         reason: io::Error::other(error),
     })
 }
