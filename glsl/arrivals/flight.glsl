@@ -108,40 +108,27 @@ void recordCrossing(float place, int detector, Crossing crossing, vec3 d, float 
     keepRecord(place, vec4(middle, d.z < 0.0 ? -share : share, x, d.y));
 }
 
-#if DETECTORS > 1
-void recordAt(float place, float detector, vec3 p, vec3 d, float t, float iteration) {
-    int number = int(max(detector, 0.0));
-    Crossing crossing = crossingOf(number, p, d, t);
-    limitCrossing(number, p, d, crossing);
-    recordCrossing(detector < 0.0 ? -1.0 : place, number, crossing, d, iteration);
-}
-
-// Counts the crossings of a flight, and records those for which there are places. Few of many detectors are crossed, so
-// the loop only finds them.
-void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
-    const vec4 PLACES = vec4(0.0, 1.0, 2.0, 3.0);
-    vec4 found = vec4(-1.0);   // the detector of the record at each place
-    for (int detector = 0; detector < uDetectorCount; ++detector) {
-        Crossing crossing = crossingOf(detector, p, d, t);
+// Counts and records the crossing of a detector. Few flights cross. llvmpipe executes the text of a condition even if it
+// is false for all waves of a group, but not the turns of a loop that none of them enters.
+void crossDetector(int detector, vec3 p, vec3 d, float t, float iteration) {
+    Crossing crossing = crossingOf(detector, p, d, t);
+    for (float turns = crossing.leaves > crossing.enters ? 1.0 : 0.0; turns > 0.0; turns -= 1.0) {
+        limitCrossing(detector, p, d, crossing);
         bool crosses = crossing.leaves > crossing.enters;
-        float place = crosses ? crossings - passedOver : -1.0;
-        found = mix(found, vec4(float(detector)), equal(vec4(place), PLACES));
+        recordCrossing(crosses ? crossings - passedOver : -1.0, detector, crossing, d, iteration);
         crossings += crosses ? 1.0 : 0.0;
     }
-    recordAt(0.0, found.x, p, d, t, iteration);
-    recordAt(1.0, found.y, p, d, t, iteration);
-    recordAt(2.0, found.z, p, d, t, iteration);
-    recordAt(3.0, found.w, p, d, t, iteration);
 }
-#else
+
 void crossDetectors(vec3 p, vec3 d, float t, float iteration) {
-    Crossing crossing = crossingOf(0, p, d, t);
-    limitCrossing(0, p, d, crossing);
-    bool crosses = crossing.leaves > crossing.enters;
-    recordCrossing(crosses ? crossings - passedOver : -1.0, 0, crossing, d, iteration);
-    crossings += crosses ? 1.0 : 0.0;
-}
+#if DETECTORS > 1
+    for (int detector = 0; detector < uDetectorCount; ++detector) {
+        crossDetector(detector, p, d, t, iteration);
+    }
+#else
+    crossDetector(0, p, d, t, iteration);
 #endif
+}
 
 // Moves the wave to the next surface and reflects it there, specularly or diffusely. Returns the
 // event, which determines the change of the wave's energy (src/shader/materials.rs).

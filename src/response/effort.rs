@@ -221,6 +221,17 @@ impl Effort {
                 ..self
             };
         }
+        let left = |growth: Growth| {
+            let left = demands.iter().map(|demand| demand.left(growth));
+            left.fold(0.0, f64::max)
+        };
+        let least = left(Growth {
+            early: GREATEST_GROWTH,
+            onset: GREATEST_GROWTH,
+            followed: GREATEST_GROWTH,
+        });
+        // Another round follows if the greatest growth does not fulfil the demands.
+        let accepted = if least <= 1.0 { 1.0 } else { SPARE * least };
         let steps = (0..=STEPS).flat_map(|early| (0..=STEPS).map(move |late| (early, late)));
         let of_step = |(early, late): (i32, i32)| {
             let early_waves = grown(self.early_waves, STEP.powi(early));
@@ -230,30 +241,24 @@ impl Effort {
                 onset: 1.0,
                 followed: growth(self.waves, waves),
             };
-            let onset = demands.iter().map(|demand| demand.onset_factor(growth));
+            let onset = demands
+                .iter()
+                .map(|demand| demand.onset_factor(growth, accepted));
             let onset_waves = grown(self.onset_waves, onset.fold(0.0, f64::max));
             // All waves pass through the onset.
             let onset_waves = onset_waves.max(self.onset_waves + (waves - self.waves));
             growth.onset = self::growth(self.onset_waves, onset_waves);
-            let left = demands.iter().map(|demand| demand.left(growth));
             let effort = Effort {
                 waves,
                 onset_waves,
                 early_waves,
                 ..self
             };
-            (left.fold(0.0, f64::max), effort)
+            (left(growth) <= accepted).then_some(effort)
         };
-        let steps: Vec<(f64, Effort)> = steps.map(of_step).collect();
-        let least = steps
-            .iter()
-            .map(|(left, _)| *left)
-            .fold(f64::INFINITY, f64::min);
-        // Another round follows if the greatest growth does not fulfil the demands.
-        let accepted = if least <= 1.0 { 1.0 } else { SPARE * least };
-        let fulfilling = steps.into_iter().filter(|(left, _)| *left <= accepted);
-        let shortest = fulfilling.min_by(|(_, a), (_, b)| a.flight_s().total_cmp(&b.flight_s()));
-        shortest.map_or(self, |(_, effort)| effort)
+        let fulfilling = steps.filter_map(of_step);
+        let shortest = fulfilling.min_by(|a, b| a.flight_s().total_cmp(&b.flight_s()));
+        shortest.unwrap_or(self)
     }
 
     /// Whether the waves of this effort are further waves of `last`: its waves start evenly, and the record is the same.

@@ -314,16 +314,17 @@ pub(crate) struct LoopsAsked {
     pub thesis_steps: u32,
     /// Maximum iterations in a pass.
     pub iterations_per_pass: u32,
-    /// Number of spheres that each flight may cross. With more than one, a loop goes through them.
+    /// Number of spheres that each flight may cross; 0 if none is counted. A loop of at most one turn records the crossing
+    /// of a sphere. With more than one sphere, a loop goes through them.
     pub detectors: u32,
 }
 
 impl LoopsAsked {
-    /// Turns of the loop over the detectors in an iteration.
+    /// Turns of the loops over the detectors and their crossings in an iteration.
     fn detector_turns(&self) -> u64 {
         match self.detectors {
-            0 | 1 => 0,
-            detectors => detectors.into(),
+            0 | 1 => self.detectors.into(),
+            detectors => 2 * u64::from(detectors),
         }
     }
 }

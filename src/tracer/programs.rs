@@ -151,7 +151,7 @@ pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
             Algorithm::March(_) | Algorithm::Hybrid(_) => 0,
         },
         iterations_per_pass: settings.iterations_per_pass,
-        detectors: 1,
+        detectors: 0,
     }
 }
 

@@ -70,6 +70,14 @@ fn waves_are_added_where_the_noise_is() {
     let much = grown(&[demand(1e4, 0.5)]);
     assert!((12_288..=16_384).contains(&much.waves), "{much:?}");
     assert_eq!(much.onset_waves, 65_536);
+    // Waves of the onset do not make up for other noise that takes more than the greatest growth.
+    let found = Demand {
+        early_share: 0.9,
+        ..demand(9.0, 0.1)
+    };
+    let early = grown(&[found]);
+    assert!(early.early_waves > 3 * 65_536, "{early:?}");
+    assert!(early.onset_waves < 2 * 16_384, "{early:?}");
     assert_eq!(even(4096, 1.0).grown(&[demand(2.0, 1.0)]).waves, 9830);
 }
 

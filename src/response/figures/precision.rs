@@ -107,17 +107,17 @@ impl Demand {
         (self.noise * left).max(self.least / growth.followed)
     }
 
-    /// The factor of the waves of the onset that fulfils the demand with this growth of the other waves. Infinite if no
-    /// number does.
-    pub fn onset_factor(&self, growth: Growth) -> f64 {
+    /// The factor of the waves of the onset with which this growth of the other waves [leaves](Self::left) at most
+    /// `accepted`, 1 or more. Infinite if no number does.
+    pub fn onset_factor(&self, growth: Growth, accepted: f64) -> f64 {
         if !self.is_open() {
             return 0.0;
         }
         let late_share = 1.0 - self.early_share - self.onset_share;
         let others = self.early_share / growth.early + late_share / growth.followed;
         let others = self.noise * others;
-        match self.least <= growth.followed && others < 1.0 {
-            true => self.onset_share * self.noise / (1.0 - others),
+        match self.least <= accepted * growth.followed && others < accepted {
+            true => self.onset_share * self.noise / (accepted - others),
             false => f64::INFINITY,
         }
     }
