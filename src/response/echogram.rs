@@ -5,7 +5,7 @@ use super::{Arrival, ResponseError};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// Maximum number of bins: 65 s at 1 ms, 80 MiB with 16 batches. Later arrivals are summed without their times
 /// ([`Echogram::beyond`]).
@@ -352,15 +352,26 @@ impl Echogram {
         if band >= BAND_COUNT {
             return 0.0;
         }
-        let first = ((from_s - self.first_s) / self.bin_s).ceil().max(0.0) as usize;
-        let later = first.min(self.bins())..self.bins();
+        let later = self.bins_from(from_s);
         let sum: f64 = later.clone().map(|bin| self.energy(bin)[band]).sum();
-        let squares: f64 = self.squares[later].iter().map(|bands| bands[band]).sum();
+        let squares = self.squares(band, later);
         if squares > 0.0 {
             sum * sum / squares
         } else {
             0.0
         }
+    }
+
+    /// The bins that begin at `from_s` seconds or later.
+    pub(super) fn bins_from(&self, from_s: f64) -> Range<usize> {
+        let first = ((from_s - self.first_s) / self.bin_s).ceil().max(0.0) as usize;
+        first.min(self.bins())..self.bins()
+    }
+
+    /// The sum of the squared energies of a band's arrivals in these bins, in 1/m⁴.
+    pub(super) fn squares(&self, band: usize, bins: Range<usize>) -> f64 {
+        let known = bins.start.min(self.bins())..bins.end.min(self.bins());
+        self.squares[known].iter().map(|bands| bands[band]).sum()
     }
 
     /// The energy in 1/m² of arrivals after the last bin.

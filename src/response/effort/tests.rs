@@ -1,6 +1,7 @@
 use super::*;
 use crate::Scene;
 use crate::gl::{Context, ContextOptions};
+use crate::response::figures::Need;
 use crate::tracer::Tracer;
 
 const EFFORT: Effort = Effort {
@@ -18,10 +19,16 @@ const EFFORT: Effort = Effort {
 
 fn demand(noise: f64, onset_share: f64) -> Demand {
     Demand {
-        noise,
-        early_share: 0.0,
+        noise: need(noise, [0.0, onset_share]),
+        least: need(0.0, [0.0; 2]),
+    }
+}
+
+fn need(factor: f64, [early_share, onset_share]: [f64; 2]) -> Need {
+    Need {
+        factor,
+        early_share,
         onset_share,
-        least: 0.0,
     }
 }
 
@@ -60,8 +67,8 @@ fn waves_are_added_where_the_noise_is() {
     assert!(further >= 4096, "{late:?}");
     assert_eq!(late.onset_waves, 16_384 + further);
     let found = Demand {
-        early_share: 1.0,
-        ..demand(2.0, 0.0)
+        noise: need(2.0, [1.0, 0.0]),
+        ..demand(0.0, 0.0)
     };
     let early = grown(&[found, demand(0.5, 0.0)]);
     assert!(early.early_waves >= 2 * 65_536, "{early:?}");
@@ -71,13 +78,22 @@ fn waves_are_added_where_the_noise_is() {
     assert!((12_288..=16_384).contains(&much.waves), "{much:?}");
     assert_eq!(much.onset_waves, 65_536);
     // Waves of the onset do not make up for other noise that takes more than the greatest growth.
-    let found = Demand {
-        early_share: 0.9,
-        ..demand(9.0, 0.1)
-    };
-    let early = grown(&[found]);
-    assert!(early.early_waves > 3 * 65_536, "{early:?}");
-    assert!(early.onset_waves < 2 * 16_384, "{early:?}");
+    let many = need(9.0, [0.9, 0.1]);
+    for found in [
+        Demand {
+            noise: many,
+            ..demand(0.0, 0.0)
+        },
+        Demand {
+            least: many,
+            ..demand(0.0, 0.0)
+        },
+    ] {
+        let early = grown(&[found]);
+        assert!(early.early_waves > 3 * 65_536, "{early:?}");
+        assert!(early.onset_waves < 2 * 16_384, "{early:?}");
+        assert_eq!(early.waves, 4096);
+    }
     assert_eq!(even(4096, 1.0).grown(&[demand(2.0, 1.0)]).waves, 9830);
 }
 

@@ -15,6 +15,7 @@ use std::f64::consts::PI;
 use uncertainty::{Halves, Noisy};
 
 mod decay;
+mod demand;
 mod differences;
 mod pieces;
 mod precision;
@@ -22,11 +23,13 @@ mod precision;
 mod tests;
 mod uncertainty;
 
+#[cfg(test)]
+pub(super) use demand::Need;
+pub(super) use demand::{Demand, Growth, Parts};
 pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
 pub use precision::Precision;
 pub(crate) use precision::Withheld;
-pub(super) use precision::{Demand, Growth, Parts};
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
 /// Distance in metres at which the direct sound in a free field has a strength *G* of 0 dB.

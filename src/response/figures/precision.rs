@@ -1,10 +1,7 @@
-//! The precision of figures: their noise, also where a figure is withheld, and the number of waves that a requested
-//! precision takes.
+//! The precision of figures: their noise, also where a figure is withheld, and why it is withheld.
 
-use super::uncertainty::{Halves, Noisy, WORST_TIME_ERROR};
-use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, LEAST_ARRIVALS, List, Record};
-use crate::bands::BAND_COUNT;
-use crate::response::Echogram;
+use super::uncertainty::{Halves, WORST_TIME_ERROR};
+use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, LEAST_ARRIVALS, List};
 use crate::serialised::finite;
 use serde::{Deserialize, Serialize};
 
@@ -38,100 +35,6 @@ pub(crate) enum Withheld {
 
 /// Factor of the number of waves if the noise is unknown: half of the waves do not give the figure.
 const UNKNOWN_NOISE: f64 = 4.0;
-
-/// The least part of the requested precision that the noise may use up, as a share. Errors that more waves do not
-/// reduce may use up the remainder.
-const LEAST_NOISE_SHARE: f64 = 0.5;
-
-/// Factors of the numbers of waves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::response) struct Growth {
-    /// The factor for the waves of early arrivals.
-    pub early: f64,
-    /// The factor for the waves of the onset.
-    pub onset: f64,
-    /// The factor for the waves that are followed to the record's end.
-    pub followed: f64,
-}
-
-/// The demand of a band's figure for waves, as factors of their number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::response) struct Demand {
-    /// The variance of the noise relative to the variance that the accuracy allows.
-    pub noise: f64,
-    /// The share of the variance that the waves of early arrivals cause, 0 … 1.
-    pub early_share: f64,
-    /// The share of the variance that the other waves cause in the onset, 0 … 1 − `early_share`.
-    pub onset_share: f64,
-    /// The factor until the figure is reported; 0 if it is, and if its noise alone withholds it.
-    pub least: f64,
-}
-
-impl Demand {
-    /// The demand of the other noise, if the waves of early arrivals cannot grow.
-    fn without_early(self) -> Demand {
-        let others = 1.0 - self.early_share;
-        Demand {
-            noise: others * self.noise,
-            early_share: 0.0,
-            onset_share: match others > 0.0 {
-                true => self.onset_share / others,
-                false => 0.0,
-            },
-            ..self
-        }
-    }
-
-    /// Whether the demand is not fulfilled.
-    pub fn is_open(&self) -> bool {
-        self.factor() > 1.0
-    }
-
-    /// The factor of all waves that fulfils the demand. 0 if no number of waves does.
-    pub fn factor(&self) -> f64 {
-        match self.least.is_finite() {
-            true => self.least.max(self.noise),
-            false => 0.0,
-        }
-    }
-
-    /// The variance relative to the allowed variance that is left after the growth; more than 1 also if the figure is not
-    /// reported.
-    pub fn left(&self, growth: Growth) -> f64 {
-        if !self.least.is_finite() {
-            return 0.0;
-        }
-        let late_share = 1.0 - self.early_share - self.onset_share;
-        let early = self.early_share / growth.early;
-        let left = early + self.onset_share / growth.onset + late_share / growth.followed;
-        (self.noise * left).max(self.least / growth.followed)
-    }
-
-    /// The factor of the waves of the onset with which this growth of the other waves [leaves](Self::left) at most
-    /// `accepted`, 1 or more. Infinite if no number does.
-    pub fn onset_factor(&self, growth: Growth, accepted: f64) -> f64 {
-        if !self.is_open() {
-            return 0.0;
-        }
-        let late_share = 1.0 - self.early_share - self.onset_share;
-        let others = self.early_share / growth.early + late_share / growth.followed;
-        let others = self.noise * others;
-        match self.least <= accepted * growth.followed && others < accepted {
-            true => self.onset_share * self.noise / (accepted - others),
-            false => f64::INFINITY,
-        }
-    }
-}
-
-/// The parts of a record whose noise different waves cause.
-pub(in crate::response) struct Parts<'a> {
-    /// The arrivals of the waves of early arrivals.
-    pub early: &'a Echogram,
-    /// Whether more of these waves reduce their noise.
-    pub early_can_grow: bool,
-    /// The end of the onset in seconds after the source's impulse.
-    pub onset_s: f64,
-}
 
 impl Figures {
     /// Minimum number of arrivals of equal energy after the end of a reported decay.
@@ -189,125 +92,6 @@ impl Figures {
         Some(factor.max(1.0))
     }
 
-    /// The factor by which the number of waves must grow until every figure has this accuracy. 1 or less if all have
-    /// it. Figures that are not defined, and errors that do not come from noise, ask for no waves.
-    #[doc(hidden)]
-    pub fn waves_for(&self, accuracy: f64) -> f64 {
-        let bands = 0..BAND_COUNT;
-        let factors = bands.flat_map(|band| (0..FIGURE_COUNT).map(move |figure| (band, figure)));
-        factors
-            .filter_map(|(band, figure)| self.factor_for(accuracy, band, figure))
-            .filter(|factor| factor.is_finite())
-            .fold(0.0, f64::max)
-    }
-
-    /// Whether a figure of a band has this accuracy. `None` if it is not defined.
-    #[doc(hidden)]
-    pub fn is_accurate(&self, accuracy: f64, band: usize, figure: usize) -> Option<bool> {
-        Some(self.factor_for(accuracy, band, figure)? <= 1.0)
-    }
-
-    /// Whether the error of a reported figure exceeds this accuracy although its noise does not: more waves do not reduce
-    /// it.
-    pub(in crate::response) fn is_limited(
-        &self,
-        accuracy: f64,
-        band: usize,
-        figure: usize,
-    ) -> bool {
-        let value = self.bands[band].list()[figure];
-        let error = self.errors[band].list()[figure];
-        let exceeds =
-            |(value, error): (f64, f64)| error > Figures::tolerance(accuracy, figure, value);
-        value.zip(error).is_some_and(exceeds)
-            && self.is_accurate(accuracy, band, figure) == Some(true)
-    }
-
-    fn factor_for(&self, accuracy: f64, band: usize, figure: usize) -> Option<f64> {
-        let demand = self.demand(accuracy, band, figure)?;
-        Some(demand.least.max(demand.noise))
-    }
-
-    /// What each defined figure demands of the numbers of waves. `record` is that of the figures. Without `parts` all noise
-    /// is that of the waves that are followed to the record's end.
-    pub(in crate::response) fn demands(
-        &self,
-        accuracy: f64,
-        record: &Record,
-        direct_s: Option<f64>,
-        parts: Option<Parts>,
-    ) -> Vec<Demand> {
-        let early_can_grow = parts.as_ref().is_some_and(|parts| parts.early_can_grow);
-        let halves = parts.map(|Parts { early, onset_s, .. }| {
-            let until = record.echogram.bins_before(onset_s);
-            [Noisy::Arrivals(early), Noisy::Before(until)]
-                .map(|noisy| Halves::new(record, direct_s, noisy))
-        });
-        let mut demands = Vec::new();
-        for band in 0..BAND_COUNT {
-            let precision = &self.precision[band];
-            let noise = halves.as_ref().map(|halves| {
-                let arrivals = self.begins_s.map_or(0.0, |begins_s| {
-                    record.echogram.effective_arrivals(band, begins_s)
-                });
-                let values = precision_values(precision);
-                halves
-                    .each_ref()
-                    .map(|of| of.noise(band, &values, arrivals))
-            });
-            for (figure, precision) in precision.iter().enumerate() {
-                let share = |part: usize| {
-                    let part = noise.as_ref()?[part][figure]?;
-                    let share = (part / precision.noise?).powi(2);
-                    Some(share.min(1.0)).filter(|share| share.is_finite())
-                };
-                let [early, onset] = [0, 1].map(|part| share(part).unwrap_or(0.0));
-                // Early arrivals are a part of the onset.
-                let demand = self.demand(accuracy, band, figure).map(|demand| Demand {
-                    early_share: early,
-                    onset_share: (onset - early).max(0.0),
-                    ..demand
-                });
-                let demand = demand.map(|demand| match early_can_grow {
-                    true => demand,
-                    false => demand.without_early(),
-                });
-                demands.extend(demand);
-            }
-        }
-        demands
-    }
-
-    fn demand(&self, accuracy: f64, band: usize, figure: usize) -> Option<Demand> {
-        let demand = |noise: f64, least: f64| {
-            Some(Demand {
-                noise,
-                early_share: 0.0,
-                onset_share: 0.0,
-                least,
-            })
-        };
-        let precision = &self.precision[band][figure];
-        let value = precision.value?;
-        let least = match self.withheld(band, figure) {
-            // Less noise than the accuracy allows reports the figure.
-            Some(Withheld::Noise(Some(_))) => 0.0,
-            _ => self.waves_to_report(band, figure).unwrap_or(0.0),
-        };
-        let tolerance = Figures::tolerance(accuracy, figure, value);
-        let error = self.errors[band].list()[figure].unwrap_or(0.0);
-        let noise = match precision.noise {
-            Some(noise) => noise,
-            None if least > 0.0 => return demand(0.0, least),
-            // Without batches the noise is unknown.
-            None => return None,
-        };
-        let other = (error.powi(2) - noise.powi(2)).max(0.0).sqrt();
-        let left = (tolerance.powi(2) - other.powi(2)).max(0.0).sqrt();
-        let left = left.max(LEAST_NOISE_SHARE * tolerance);
-        demand((noise / left).powi(2), least)
-    }
-
     /// The precision of all figures of a band.
     pub(super) fn precision_of(
         halves: &Halves,
@@ -352,9 +136,4 @@ impl Figures {
         };
         (told(|figure| figure.value), told(|figure| figure.noise))
     }
-}
-
-/// The values of all figures of a band.
-fn precision_values(precision: &[Precision; FIGURE_COUNT]) -> List {
-    std::array::from_fn(|figure| precision[figure].value)
 }
