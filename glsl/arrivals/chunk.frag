@@ -17,7 +17,7 @@ uniform highp sampler2D uOrigins;      // the waves at the chunk's start
 uniform highp sampler2D uDirections;
 uniform highp sampler2D uList;         // each entry: number in the block (-1: unused), crossings to skip
 uniform bool uIsListed;
-uniform highp sampler2D uOriginals;    // after a resampling: the texel of each wave's original
+uniform highp sampler2D uOriginals;    // after a resampling: the texel of each wave's original; -1: no wave
 uniform bool uIsResampled;
 uniform bool uIsStart;                 // whether the waves begin at the source
 uniform uint uFirstWave;               // number of the block's first wave
@@ -77,8 +77,10 @@ void main() {
     } else {
         ivec2 original = texel;
         if (uIsResampled) {
-            uint place = uint(texelFetch(uOriginals, texel, 0).x);
-            original = ivec2(place % uGridWidth, place / uGridWidth);
+            float place = texelFetch(uOriginals, texel, 0).x;
+            exists = exists && place >= 0.0;
+            uint from = uint(max(place, 0.0));
+            original = ivec2(from % uGridWidth, from / uGridWidth);
         }
         origin = texelFetch(uOrigins, original, 0);
         direction = texelFetch(uDirections, original, 0);

@@ -395,7 +395,7 @@ impl Tracer {
             // Resampling needs the energies at the end of this chunk, so the next chunk waits for them.
             if let Some(next) = next.as_mut().filter(|_| run.resamples) {
                 let random = run.random(waves.first(), next.first_iteration);
-                if let Some(originals) = block.resample(random) {
+                if let Some(originals) = block.resample(random, &mut next.rows) {
                     targets.upload_originals(&originals)?;
                     next.is_resampled = true;
                 }

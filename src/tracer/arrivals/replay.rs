@@ -18,6 +18,9 @@ const CROSSINGS: u32 = 16_384;
 /// The factor of the detector in the whole part of a record, which also holds the iteration (`glsl/arrivals/flight.glsl`).
 const ITERATIONS: u32 = 64;
 
+/// The original's texel where no wave is followed any more (`glsl/arrivals/chunk.frag`).
+const NO_WAVE: i32 = -1;
+
 /// A record with a greater fraction is a passage. The fraction of a crossing is at most 0.5, and that of a passage is
 /// 0.75 (`glsl/arrivals/passages.glsl`).
 const MOST_CHORD: f32 = 0.6;
@@ -260,6 +263,9 @@ impl Block {
         let mut listed = 0;
         let mut taken = 0;
         for (wave, texel) in self.waves_in_rows() {
+            if self.waves[wave as usize].fate != Fate::Travelling {
+                continue;
+            }
             let at = 4 * texel as usize;
             let tally = tally_of(chunk.tally, texel);
             let crossings = (tally % CROSSINGS) as usize;
@@ -407,25 +413,50 @@ impl Block {
         travelling.map(|(number, _)| number).collect()
     }
 
-    /// Puts copies of the `originals` with new energies in the places of the `replaced` waves. Returns the original's
-    /// texel for each texel.
-    pub(super) fn replace(
-        &mut self,
-        replaced: &[u32],
-        originals: &[u32],
-        energies: Vec<Bands>,
-    ) -> Vec<u32> {
-        let texel = |wave: u32| self.order.as_ref().map_or(wave, |order| order.texel(wave));
-        let mut from: Vec<u32> = (0..self.grid.width * self.grid.height).collect();
-        let waves = self.waves.clone();
+    /// Number of rows that hold this number of waves.
+    pub(super) fn rows_of(&self, waves: u32) -> u32 {
+        waves.div_ceil(self.grid.width)
+    }
+
+    fn texel(&self, wave: u32) -> u32 {
+        self.order.as_ref().map_or(wave, |order| order.texel(wave))
+    }
+
+    /// The waves whose texels are the first `count` of the grid, in the order of the texels.
+    pub(super) fn first_places(&self, count: usize) -> Vec<u32> {
+        let mut places = vec![0; count];
+        for wave in 0..self.grid.waves {
+            if let Some(place) = places.get_mut(self.texel(wave) as usize) {
+                *place = wave;
+            }
+        }
+        places
+    }
+
+    /// Puts copies of waves with new energies in `places`, as many as there are travelling waves. The waves that are not
+    /// followed any more take the other places. Returns the original's texel for each texel, or [`NO_WAVE`].
+    pub(super) fn replace(&mut self, places: &[u32], copies: &[(u32, Bands)]) -> Vec<i32> {
+        let mut from = vec![NO_WAVE; (self.grid.width * self.grid.height) as usize];
+        let (waves, energies) = (self.waves.clone(), self.energies.clone());
         let before: Vec<Before> = (0..self.grid.waves).map(|wave| self.before(wave)).collect();
         self.before.clone_from(&before);
-        let pairs = replaced.iter().zip(originals);
-        for ((to, original), energy) in pairs.zip(energies) {
-            from[texel(*to) as usize] = texel(*original);
-            self.waves[*to as usize] = waves[*original as usize];
-            self.energies[*to as usize] = energy;
-            self.before[*to as usize] = before[*original as usize];
+        let mut is_place = vec![false; waves.len()];
+        for place in places {
+            is_place[*place as usize] = true;
+        }
+        let others = (0..waves.len()).filter(|wave| !is_place[*wave]);
+        let ended = (0..waves.len()).filter(|wave| waves[*wave].fate != Fate::Travelling);
+        for (to, wave) in others.zip(ended) {
+            self.waves[to] = waves[wave];
+            self.energies[to] = energies[wave];
+            self.before[to] = before[wave];
+        }
+        for (place, (original, energy)) in places.iter().zip(copies) {
+            from[self.texel(*place) as usize] = self.texel(*original) as i32;
+            let (to, original) = (*place as usize, *original as usize);
+            self.waves[to] = waves[original];
+            self.energies[to] = *energy;
+            self.before[to] = before[original];
         }
         from
     }

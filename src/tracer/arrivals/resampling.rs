@@ -14,7 +14,7 @@
 //! Fearnhead, *Improved particle filter for nonlinear problems*, 1999).
 
 use super::replay::Block;
-use crate::bands::{self, BAND_COUNT};
+use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Scene;
 use crate::shader;
 use std::ops::Range;
@@ -39,6 +39,10 @@ const FAINT: f64 = 1e-2;
 /// that is far ahead of the others.
 const MOST_AHEAD: f64 = 7.0;
 
+/// The travelling waves are moved to the first rows if these are at most this share of the rows that are drawn. A row is
+/// drawn for all its waves, and the waves of an onset end at different iterations.
+const MOST_FILLED: f64 = 0.75;
+
 /// Minimum number of travelling waves that are resampled.
 const LEAST_WAVES: usize = 64;
 
@@ -48,45 +52,69 @@ pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
 }
 
 impl Block {
-    /// Replaces the travelling waves by as many waves of about equal energy, if the importance of a wave is far above the
-    /// mean. `random` is uniform in 0 … 1. Returns the original's texel for each texel of the grid.
-    pub fn resample(&mut self, random: f64) -> Option<Vec<u32>> {
+    /// Replaces the travelling waves by as many waves of about equal energy if the importance of a wave is far above the
+    /// mean, and moves them to the first rows of the grid if they fill only a part of `rows`. `random` is uniform in
+    /// 0 … 1. Returns the original's texel for each texel of the grid, and sets the rows of the travelling waves.
+    pub fn resample(&mut self, random: f64, rows: &mut Range<u32>) -> Option<Vec<i32>> {
         let travelling = self.travelling();
         if travelling.len() < LEAST_WAVES {
             return None;
         }
         let importance = self.importance(&travelling);
         let per_copy = importance.iter().sum::<f64>() / travelling.len() as f64;
-        if !(importance.iter()).any(|one| *one > MOST_TIMES_MEAN * per_copy) {
+        let are_uneven = (importance.iter()).any(|one| *one > MOST_TIMES_MEAN * per_copy);
+        let needed = self.rows_of(travelling.len() as u32);
+        let packs = f64::from(needed) <= MOST_FILLED * f64::from(rows.end - rows.start);
+        if !are_uneven && !packs {
             return None;
         }
-        let mut originals = Vec::with_capacity(travelling.len());
-        let mut energies = Vec::with_capacity(travelling.len());
+        let copies = match are_uneven {
+            true => self.drawn(&travelling, &importance, (per_copy, random)),
+            false => {
+                let copy = |wave: &u32| (*wave, self.energy(*wave as usize));
+                travelling.iter().map(copy).collect()
+            }
+        };
+        match packs {
+            true => {
+                *rows = 0..needed;
+                Some(self.replace(&self.first_places(copies.len()), &copies))
+            }
+            false => Some(self.replace(&travelling, &copies)),
+        }
+    }
+
+    /// Draws as many copies as there are travelling waves: their originals and energies.
+    fn drawn(
+        &self,
+        travelling: &[u32],
+        importance: &[f64],
+        (per_copy, random): (f64, f64),
+    ) -> Vec<(u32, Bands)> {
+        let mut drawn = Vec::with_capacity(travelling.len());
         let (mut upto, mut next) = (0.0, random);
-        for (wave, importance) in travelling.iter().zip(&importance) {
+        for (wave, importance) in travelling.iter().zip(importance) {
             let expected = importance / per_copy;
             upto += expected;
-            let mut copies = 0.0;
-            while next < upto && originals.len() < travelling.len() {
-                originals.push(*wave);
+            let mut copies = 0;
+            while next < upto && drawn.len() + copies < travelling.len() {
                 next += 1.0;
-                copies += 1.0;
+                copies += 1;
             }
             // A wave that is expected to have a copy has one, and its energy is divided among its copies.
             let share = if expected >= 1.0 {
-                1.0 / copies
+                1.0 / copies as f64
             } else {
                 1.0 / expected
             };
             let energy = self.energy(*wave as usize).map(|energy| share * energy);
-            energies.extend(std::iter::repeat_n(energy, copies as usize));
+            drawn.extend(std::iter::repeat_n((*wave, energy), copies));
         }
         // Rounding may leave the last copy out.
-        while let (true, Some(last)) = (originals.len() < travelling.len(), travelling.last()) {
-            originals.push(*last);
-            energies.push([0.0; BAND_COUNT]);
+        while let (true, Some(last)) = (drawn.len() < travelling.len(), travelling.last()) {
+            drawn.push((*last, [0.0; BAND_COUNT]));
         }
-        Some(self.replace(&travelling, &originals, energies))
+        drawn
     }
 
     /// The importance of each travelling wave, up to a common factor.
@@ -132,8 +160,11 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::super::super::Grid;
+    use super::super::ArrivalCounts;
+    use super::super::replay::{Chunk, Replay};
     use super::*;
     use crate::sampling::{hash, unit_interval};
+    use glam::DVec3;
 
     const WAVES: u32 = 1000;
 
@@ -161,11 +192,73 @@ mod tests {
         for trial in 0..100 {
             let mut block = block();
             let random = unit_interval(hash(trial));
-            let originals = block.resample(random).expect("uneven waves");
-            assert!(block.resample(random).is_none());
+            let mut rows = 0..32;
+            let originals = block.resample(random, &mut rows).expect("uneven waves");
+            assert!(block.resample(random, &mut rows).is_none() && rows == (0..32));
             assert_eq!(originals.len(), 1024);
             sum += total(&block) / 100.0;
         }
         assert!((sum / before - 1.0).abs() < 2e-3, "{sum} {before}");
+    }
+
+    /// Protects waves from being lost or mixed up when they are moved to the first rows: each keeps its number, energy and
+    /// length, the ended waves keep their fates, and no texel without a travelling wave is traced.
+    #[test]
+    fn travelling_waves_move_to_the_first_rows() {
+        const FLOWN: u32 = 3;
+        let mut block = Block::new(
+            0,
+            (
+                Grid {
+                    waves: WAVES,
+                    width: 32,
+                    height: 32,
+                },
+                None,
+            ),
+            (0..WAVES)
+                .map(|wave| [1.0 + f64::from(wave); BAND_COUNT])
+                .collect(),
+        );
+        let ends = |wave: u32| !wave.is_multiple_of(5);
+        let tally = |wave: u32| {
+            let fate = if ends(wave) { FLOWN } else { 0 };
+            [wave as f32, 0.0, (16_384 * fate) as f32, 0.0]
+        };
+        let tally: Vec<f32> = (0..1024).flat_map(tally).collect();
+        let with = Replay {
+            early_order: 3,
+            length_limit: 1e9,
+            chord_unit: 1.0,
+            detectors: Vec::new(),
+            has_inner_spheres: false,
+            events: None,
+            origin: DVec3::ZERO,
+        };
+        let chunk = Chunk {
+            tally: &tally,
+            words: None,
+            records: &[Vec::new()],
+            listed: &[],
+            iterations: 6,
+        };
+        block.replay(&with, &chunk, &mut Vec::new(), &mut |_| ());
+        let mut rows = 0..32;
+        let originals = block.resample(0.5, &mut rows).expect("few waves");
+        assert_eq!(rows, 0..7);
+        let travelling: Vec<u32> = (0..WAVES).filter(|wave| !ends(*wave)).collect();
+        for (place, texel) in originals.iter().enumerate() {
+            assert_eq!(
+                *texel,
+                travelling.get(place).map_or(-1, |wave| *wave as i32)
+            );
+        }
+        for (place, wave) in travelling.iter().enumerate() {
+            assert_eq!(block.length_m(place as u32), f64::from(*wave));
+            assert_eq!(block.energy(place), [1.0 + f64::from(*wave); BAND_COUNT]);
+        }
+        let mut counts = ArrivalCounts::of_none();
+        block.count(&mut counts);
+        assert_eq!((counts.cut_off, counts.flown), (200, 800));
     }
 }

@@ -157,8 +157,8 @@ impl ArrivalTargets {
     }
 
     /// Sets the texel from which the next chunk takes the wave of each texel.
-    pub fn upload_originals(&self, texels: &[u32]) -> Result<(), GpuError> {
-        let entry = |texel: &u32| [*texel as f32, 0.0, 0.0, 0.0];
+    pub fn upload_originals(&self, texels: &[i32]) -> Result<(), GpuError> {
+        let entry = |texel: &i32| [*texel as f32, 0.0, 0.0, 0.0];
         let mut entries: Vec<[f32; 4]> = texels.iter().map(entry).collect();
         entries.resize((self.grid.width * self.grid.height) as usize, [0.0; 4]);
         self.originals.upload(entries.as_flattened())
