@@ -87,11 +87,11 @@ pub(super) fn response(
         figures = figures.with_common_errors(&common);
     }
     if let Some(inner) = &inner {
-        let differences = inner.of_figures(&record, direct_s);
-        if late::are_biased(&differences, late.accepted_bias) {
+        let bias = inner.bias(&late, &record, direct_s);
+        if late::are_biased(&bias, late.accepted_bias) {
             return Ok(None);
         }
-        figures = figures.with_bias(&differences);
+        figures = figures.with_bias(&bias);
     }
     let further_reflections = early.hidden.further_reflections();
     if !further_reflections.is_empty() {

@@ -31,7 +31,7 @@ struct SharedListener<'a> {
     sphere: LateSphere,
     /// The waves of earlier rounds, if further waves can extend them.
     tally: Option<Tally>,
-    /// The early sound of earlier rounds. `None` without a tally.
+    /// The early sound of earlier rounds, or of waves that are traced again through another sphere.
     early: Option<EarlySound>,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Listeners<'a> {
     }
 
     /// The responses of this length. The waves extend those of the call before if all waves start evenly and the length
-    /// is the same. Where a sphere is rejected, its inner sphere takes its place.
+    /// is the same. Where a sphere is rejected, a narrower one takes its place.
     pub fn trace(
         &mut self,
         tracer: &mut Tracer,
@@ -144,7 +144,7 @@ impl<'a> Listeners<'a> {
     }
 
     /// The responses with late arrivals counted in the spheres; `None` for a listener whose figures are biased by the
-    /// size of its sphere, which is then replaced by its inner sphere.
+    /// size of its sphere and of the inner one: its own sphere takes their place.
     fn in_spheres(
         &mut self,
         tracer: &mut Tracer,
@@ -173,7 +173,7 @@ impl<'a> Listeners<'a> {
         let keeps_waves = self.keeps_waves(settings, self.seconds);
         let mut starts = StartDirections::default();
         let mut responses = Vec::new();
-        for ((index, heard), tally) in indices.iter().zip(&heard).zip(tallies) {
+        for ((index, mut heard), tally) in indices.iter().zip(heard).zip(tallies) {
             let one = &mut self.all[*index];
             let known = one.early.take();
             let early = match known.filter(|early| early.waves == settings.trace.waves) {
@@ -181,17 +181,25 @@ impl<'a> Listeners<'a> {
                 None => {
                     let starts = starts.of_waves(tracer, &settings.trace, &tally.early)?;
                     let early = (starts, tally.early.clone());
-                    EarlySound::find(heard, settings, self.seconds, early)?
+                    EarlySound::find(&heard, settings, self.seconds, early)?
                 }
             };
-            let found = (&early, tally.arrivals());
-            let response = response(tracer, heard, found, settings, &how)?;
-            match response {
-                Some(_) if keeps_waves => (one.tally, one.early) = (Some(tally), Some(early)),
-                Some(_) => (),
-                None => one.sphere = one.sphere.inner(one.pair),
-            }
-            responses.push(response);
+            let found = loop {
+                let found = (&early, tally.arrivals(&heard.late));
+                let found = response(tracer, &heard, found, settings, &how)?;
+                if found.is_some() {
+                    break found;
+                }
+                heard.late = heard.late.narrower(one.pair);
+                // Other waves are not counted in the listener's own sphere.
+                if !heard.late.is_narrowed {
+                    break None;
+                }
+            };
+            one.sphere = heard.late;
+            one.tally = (keeps_waves && found.is_some()).then_some(tally);
+            one.early = (keeps_waves || found.is_none()).then_some(early);
+            responses.push(found);
         }
         Ok(responses)
     }

@@ -47,6 +47,15 @@ impl Differences {
         differences
     }
 
+    /// The differences times a factor.
+    pub fn scaled(mut self, factor: f64) -> Differences {
+        let lists = self.squares.iter_mut().chain(&mut self.variances);
+        for number in lists.flatten().flatten() {
+            *number *= factor.powi(2);
+        }
+        self
+    }
+
     /// Whether a figure differs by far more than noise and by more than an accuracy allows: the squares exceed the
     /// multiple `most_times` of the variances, on the average over the bands, and the biases are on the average more than
     /// the tolerance of the accuracy (a share of decay times).

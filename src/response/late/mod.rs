@@ -39,7 +39,7 @@ use pilot::Pilot;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::ops::Range;
-use tally::{FurtherWaves, Sums};
+use tally::{FurtherWaves, Kind, Sums};
 
 /// The share of the energy of all waves down to which waves are followed, −120 dB. A decay is audible over 60 dB, and
 /// if the listener is in another room than the source, the decay may begin 60 dB lower. The limit saves time in bands
@@ -131,7 +131,7 @@ pub(super) fn tallies(
     }
     let onset_s = settings.onset.map_or(0.0, |onset| onset.seconds);
     for ((tally, one), sums) in tallies.iter_mut().zip(heard).zip(added.of_listeners()) {
-        let until = (tally.sums.echogram).bins_before(one.medium.direct_s + onset_s);
+        let until = tally.sums.bins_before(one.medium.direct_s + onset_s);
         tally.extend(&further, until, sums);
     }
     Ok(tallies)
@@ -313,42 +313,34 @@ impl LateWaves<'_> {
     ) -> Result<Followed, Error> {
         let (pair, heard, solids) = (self.heard[0].pair, self.heard, self.solids);
         let early_order = self.how.early_order;
+        let has_near = self.sums.iter().any(Sums::has_near);
         let late = RefCell::new((&mut *self.sums, pilot));
         let mut early = self.early.as_deref_mut();
-        let add = |arrival: &Arrival| {
+        let add = |arrival: &Arrival, kind: Kind| {
             let (sums, pilot) = &mut *late.borrow_mut();
             let of = arrival.detector as usize;
             let medium = heard[of].medium;
-            sums[of].add(medium, arrival);
-            if let Some(pilot) = pilot {
+            sums[of].add(kind, medium, arrival);
+            if let Some(pilot) = pilot.as_mut().filter(|_| kind == Kind::Late) {
                 let seconds = arrival.length_m / medium.speed;
                 pilot.add(arrival.wave, seconds, &medium.heard(arrival));
             }
         };
         let mut take = |arrival: Arrival| {
-            let of = arrival.detector as usize;
-            if arrival.is_early {
-                if let Some(early) = &mut early {
-                    early[of].push(arrival);
-                }
-                return;
-            }
-            match &mut late.borrow_mut().0[of].near {
-                Some(near) if arrival.reflections <= early_order => {
-                    return heard[of].medium.add(near, &arrival);
-                }
+            match (arrival.is_early, &mut early) {
+                (true, Some(early)) => return early[arrival.detector as usize].push(arrival),
+                (true, None) => return,
                 _ => (),
             }
-            add(&arrival);
+            match has_near && arrival.reflections <= early_order {
+                true => add(&arrival, Kind::Near),
+                false => add(&arrival, Kind::Late),
+            }
         };
         let through = |hit: &SolidHit| transmission::of_wave(pair.scene, solids?, hit);
         let mut passed = |arrival: Arrival| match arrival.reflections {
-            0 => {
-                let of = arrival.detector as usize;
-                let sums = &mut late.borrow_mut().0[of];
-                heard[of].medium.add(&mut sums.straight, &arrival);
-            }
-            _ => add(&arrival),
+            0 => add(&arrival, Kind::Straight),
+            _ => add(&arrival, Kind::Late),
         };
         let passing = solids.is_some().then_some(Transmitting {
             through: &through,

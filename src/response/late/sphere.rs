@@ -8,7 +8,7 @@
 //! volume. The radius therefore grows with the mean distance of the surfaces ([`scale`]).
 //!
 //! If a surface focuses sound, the same waves are also counted in an inner sphere, and the two are compared
-//! (`late/inner.rs`). The sphere does not reach behind surfaces, because there may be another room (`late/reach.rs`). The
+//! (`late/inner.rs`). If they differ too much, the inner sphere takes the place of the larger one. The sphere does not reach behind surfaces, because there may be another room (`late/reach.rs`). The
 //! walls of a `Room` are an exception, because nothing is behind them: the sphere reaches at most as far behind such a
 //! wall as the listener is in front of it. The energy is the mean over the unobstructed part of the sphere. The times
 //! are those of paths to its centre, as in the listener's own sphere.
@@ -81,7 +81,7 @@ const SCATTERED_CENTRE_S: f64 = 2e-4;
 /// The sphere of a listener.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::response) struct LateSphere {
-    /// Radius in metres, at least the radius of the listener.
+    /// Radius in metres in which waves are detected, at least the radius of the listener.
     pub radius_m: f32,
     /// The planes that limit the sphere.
     pub limits: Limits,
@@ -93,6 +93,8 @@ pub(in crate::response) struct LateSphere {
     pub errors: Option<CommonErrors>,
     /// Radius in metres of the inner sphere in which the same waves are counted; `None` if the two are not compared.
     pub inner_m: Option<f32>,
+    /// Whether the figures are those of the inner sphere, because the larger one is biased.
+    pub is_narrowed: bool,
 }
 
 /// Radius of the inner sphere as a share of the radius of the sphere of late arrivals. A bias that grows with the
@@ -128,20 +130,36 @@ impl LateSphere {
             accepted_bias,
             errors: Some(errors(scene, reach.radius_m, scale)),
             inner_m: gathers(scene).then(|| own_m.max(INNER * reach.radius_m)),
+            is_narrowed: false,
         }
     }
 
-    /// The inner sphere of this one, with an inner sphere of its own.
-    pub fn inner(&self, pair: Pair) -> LateSphere {
-        let own_m = pair.listener.radius;
+    /// The sphere that takes the place of this one if it is biased: the inner sphere, whose arrivals are known, or else the
+    /// listener's own sphere.
+    pub fn narrower(&self, pair: Pair) -> LateSphere {
         match self.inner_m {
-            Some(radius_m) if radius_m > own_m => LateSphere {
-                radius_m,
-                errors: Some(errors(pair.scene, radius_m, self.scale)),
-                inner_m: Some(own_m.max(INNER * radius_m)),
+            Some(inner_m) if inner_m > pair.listener.radius && !self.is_narrowed => LateSphere {
+                errors: Some(errors(pair.scene, inner_m, self.scale)),
+                is_narrowed: true,
                 ..*self
             },
             _ => LateSphere::own(pair.listener),
+        }
+    }
+
+    /// Radius in metres of the sphere whose arrivals the figures are computed from.
+    pub fn counted_m(&self) -> f32 {
+        self.inner_m
+            .filter(|_| self.is_narrowed)
+            .unwrap_or(self.radius_m)
+    }
+
+    /// The bias of the figures relative to the difference between the two spheres.
+    pub fn bias_of_difference(&self) -> f64 {
+        match self.is_narrowed {
+            // With the bias b(r) = k r^g, b(r) / (b(r / INNER) − b(r)).
+            true => 1.0 / (f64::from(INNER).powf(-GROWTH_OF_ERRORS) - 1.0),
+            false => 1.0,
         }
     }
 
@@ -154,6 +172,7 @@ impl LateSphere {
             accepted_bias: USUAL_BIAS,
             errors: None,
             inner_m: None,
+            is_narrowed: false,
         }
     }
 
@@ -231,39 +250,50 @@ const BIAS: f64 = 0.4;
 pub(super) struct NearScattering {
     /// Arrivals in the listener's own sphere.
     pub own: Echogram,
-    /// The assumed bias of the same sound in the sphere of late arrivals, as a share of its energy.
-    bias: f64,
+    /// Radius in metres of the listener's own sphere.
+    own_m: f32,
+    /// The squared distance in m² from the listener to the source's nearest image.
+    image_m2: f64,
 }
 
 impl NearScattering {
     /// An empty echogram with the bins of `like`.
-    pub fn new(pair: Pair, late: &LateSphere, like: &Echogram) -> NearScattering {
-        let square = f64::from(late.radius_m).powi(2) / nearest_image_m2(pair);
-        let is_wider = late.radius_m > pair.listener.radius;
+    pub fn new(pair: Pair, like: &Echogram) -> NearScattering {
         NearScattering {
             own: like.without_arrivals(),
-            // The bias is at most the whole energy, even with source and listener at the same point on a wall.
-            bias: if is_wider {
-                (BIAS * square).min(1.0)
-            } else {
-                0.0
-            },
+            own_m: pair.listener.radius,
+            image_m2: nearest_image_m2(pair),
         }
     }
 
-    /// Adds the two parts of the weighted mean of this sound and `wide`, the same sound in the sphere of late arrivals, to
-    /// the two `sums`, and the possible bias of `wide` to `bias`.
-    pub fn add_to(&self, wide: &Echogram, sums: [&mut Echogram; 2], bias: &mut Echogram) {
-        let weights: Bands = std::array::from_fn(|band| self.weight_of(wide, band));
+    /// The assumed bias of the same sound in a sphere of this radius, as a share of its energy.
+    fn bias(&self, radius_m: f32) -> f64 {
+        match radius_m > self.own_m {
+            // At most the whole energy, even with source and listener at the same point on a wall.
+            true => (BIAS * f64::from(radius_m).powi(2) / self.image_m2).min(1.0),
+            false => 0.0,
+        }
+    }
+
+    /// Adds the two parts of the weighted mean of this sound and `wide`, the same sound in a sphere of `radius_m` metres,
+    /// to the two `sums`, and the possible bias of `wide` to `bias`.
+    pub fn add_to(
+        &self,
+        (wide, radius_m): (&Echogram, f32),
+        sums: [&mut Echogram; 2],
+        bias: &mut Echogram,
+    ) {
+        let of_wide = self.bias(radius_m);
+        let weights: Bands = std::array::from_fn(|band| self.weight_of(wide, of_wide, band));
         let [own_part, wide_part] = sums;
         own_part.add_scaled(&self.own, &weights.map(|weight| 1.0 - weight));
         wide_part.add_scaled(wide, &weights);
-        bias.add_scaled(wide, &weights.map(|weight| weight * self.bias));
+        bias.add_scaled(wide, &weights.map(|weight| weight * of_wide));
     }
 
     /// The weight of the larger sphere, 0 … 1, that minimises the mean square error: the relative variance of a sum of
     /// n arrivals is 1/n.
-    fn weight_of(&self, wide: &Echogram, band: usize) -> f64 {
+    fn weight_of(&self, wide: &Echogram, bias: f64, band: usize) -> f64 {
         let (own, wide) = (
             self.own.effective_arrivals(band, 0.0),
             wide.effective_arrivals(band, 0.0),
@@ -272,7 +302,7 @@ impl NearScattering {
             return 0.0;
         }
         // Computes the weight from the variances 1/own and 1/wide + bias², without a division by 0.
-        1.0 / (1.0 + own * (1.0 / wide + self.bias.powi(2)))
+        1.0 / (1.0 + own * (1.0 / wide + bias.powi(2)))
     }
 }
 
@@ -394,6 +424,31 @@ mod tests {
         assert_eq!(of(0.7, Some(0.05)).radius_m, RADIUS_M);
     }
 
+    /// Protects figures near foci: the inner sphere takes the place of a biased sphere without other waves, and after it
+    /// the listener's own sphere. A bias that grows with the stated power of the radius is estimated exactly.
+    #[test]
+    fn narrower_spheres_take_the_place_of_biased_ones() {
+        let hollow = Surface::new(crate::Shape::from(Sphere { radius: 4.0 }).complement());
+        let scene = scene(vec![hollow], Vec3::ZERO);
+        let pair = scene.only_pair().unwrap();
+        let wide = LateSphere::of(pair, 3, Some(&Accuracy::new(0.04)));
+        let inner = wide.narrower(pair);
+        assert!(
+            inner.is_narrowed && inner.inner_m == wide.inner_m,
+            "{inner:?}"
+        );
+        assert_eq!(inner.detector(pair.listener), wide.detector(pair.listener));
+        assert!((inner.counted_m() / wide.counted_m() - 0.5).abs() < 1e-6);
+        let error = |sphere: &LateSphere| sphere.errors.unwrap().decay_share;
+        assert!(error(&inner) < 0.4 * error(&wide));
+        let own = inner.narrower(pair);
+        assert!(own.counted_m() == 0.3 && own.errors.is_none());
+        let bias = |radius_m: f32| f64::from(radius_m).powf(GROWTH_OF_ERRORS);
+        let difference = bias(wide.counted_m()) - bias(inner.counted_m());
+        let estimate = inner.bias_of_difference() * difference;
+        assert!((estimate / bias(inner.counted_m()) - 1.0).abs() < 1e-5);
+    }
+
     fn corner(scattering: f64) -> Scene {
         let mut room = Surface::new(Room {
             size: Vec3::new(8.0, 3.0, 5.0),
@@ -440,14 +495,15 @@ mod tests {
         let of = |bias: f64| {
             let near = NearScattering {
                 own: with_arrivals(100),
-                bias,
+                own_m: 0.3,
+                image_m2: BIAS / bias,
             };
             let wide = with_arrivals(10_000);
             let mut sums = [0, 1, 2].map(|_| Echogram::new(1e-3, 4).expect("a good bin"));
             let [own_part, wide_part, biased] = &mut sums;
-            near.add_to(&wide, [own_part, wide_part], biased);
+            near.add_to((&wide, 1.0), [own_part, wide_part], biased);
             assert!((own_part.total()[3] + wide_part.total()[3] - 1.0).abs() < 1e-12);
-            (near.weight_of(&wide, 3), biased.total()[3])
+            (near.weight_of(&wide, bias, 3), biased.total()[3])
         };
         let (near, far) = (of(1.0), of(0.001));
         assert!(near.0 < 0.01 && far.0 > 0.98, "{near:?} {far:?}");

@@ -6,7 +6,7 @@
 
 use super::inner::{self, Difference};
 use super::sphere::NearScattering;
-use super::{Arrivals, Heard};
+use super::{Arrivals, Heard, LateSphere};
 use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
 use crate::response::{Arrival, Echogram, ResponseSettings};
@@ -62,46 +62,96 @@ impl WaveCounts {
     }
 }
 
+/// Kinds of arrivals that no exact path replaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    /// Arrivals that remain statistical.
+    Late,
+    /// Arrivals that have passed solids and were not reflected.
+    Straight,
+    /// Sound scattered after few reflections. Late if the same waves trace early arrivals.
+    Near,
+}
+
+/// Arrivals in one sphere.
+#[derive(Clone)]
+struct InSphere {
+    late: Echogram,
+    straight: Echogram,
+    near: Option<Echogram>,
+}
+
+impl InSphere {
+    fn add(&mut self, kind: Kind, medium: &Medium, arrival: &Arrival) {
+        let to = match (kind, &mut self.near) {
+            (Kind::Straight, _) => &mut self.straight,
+            (Kind::Near, Some(near)) => near,
+            _ => &mut self.late,
+        };
+        medium.add(to, arrival);
+    }
+}
+
 /// Sums of arrivals that no exact path replaces.
 #[derive(Clone)]
 pub(super) struct Sums {
-    /// Arrivals that remain statistical.
-    pub echogram: Echogram,
-    /// Arrivals that have passed solids and were not reflected.
-    pub straight: Echogram,
-    /// The arrivals of `echogram` in the inner sphere, if the two spheres are compared.
-    pub inner: Option<Echogram>,
-    /// Sound scattered after few reflections, in the sphere of late arrivals, if other waves trace early arrivals.
-    pub near: Option<Echogram>,
+    wide: InSphere,
+    /// Those in the inner sphere, if the two spheres are compared.
+    inner: Option<InSphere>,
 }
 
 impl Sums {
     /// No arrivals; `like` defines the bins.
     fn none(one: &Heard, like: &Echogram, has_near: bool) -> Sums {
-        Sums {
-            echogram: like.without_arrivals(),
+        let wide = InSphere {
+            late: like.without_arrivals(),
             straight: like.without_arrivals(),
-            inner: (one.late.inner_m.is_some()).then(|| like.without_arrivals()),
             near: has_near.then(|| like.without_arrivals()),
+        };
+        Sums {
+            inner: one.late.inner_m.map(|_| wide.clone()),
+            wide,
         }
     }
 
-    /// Adds a late arrival.
-    pub fn add(&mut self, medium: &Medium, arrival: &Arrival) {
-        medium.add(&mut self.echogram, arrival);
-        if let Some(inner) = &mut self.inner {
-            inner::add(inner, medium, arrival);
+    /// Whether sound scattered after few reflections is counted separately.
+    pub fn has_near(&self) -> bool {
+        self.wide.near.is_some()
+    }
+
+    /// Adds an arrival.
+    pub fn add(&mut self, kind: Kind, medium: &Medium, arrival: &Arrival) {
+        self.wide.add(kind, medium, arrival);
+        if let Some((inner, within)) = self.inner.as_mut().zip(inner::within(arrival)) {
+            inner.add(kind, medium, &within);
         }
+    }
+
+    fn spheres(&self) -> impl Iterator<Item = &InSphere> {
+        std::iter::once(&self.wide).chain(&self.inner)
+    }
+
+    fn spheres_mut(&mut self) -> impl Iterator<Item = &mut InSphere> {
+        std::iter::once(&mut self.wide).chain(&mut self.inner)
     }
 
     fn echograms(&self) -> impl Iterator<Item = &Echogram> {
-        let own = [&self.echogram, &self.straight];
-        own.into_iter().chain(&self.near).chain(&self.inner)
+        self.spheres().flat_map(|sphere| {
+            let always = [&sphere.late, &sphere.straight];
+            always.into_iter().chain(&sphere.near)
+        })
     }
 
     fn echograms_mut(&mut self) -> impl Iterator<Item = &mut Echogram> {
-        let own = [&mut self.echogram, &mut self.straight];
-        own.into_iter().chain(&mut self.near).chain(&mut self.inner)
+        self.spheres_mut().flat_map(|sphere| {
+            let always = [&mut sphere.late, &mut sphere.straight];
+            always.into_iter().chain(&mut sphere.near)
+        })
+    }
+
+    /// Number of bins that end at this time in seconds, or earlier.
+    pub fn bins_before(&self, seconds: f64) -> usize {
+        self.wide.late.bins_before(seconds)
     }
 
     /// Scales the bins before `until` by `before`, and the later bins by `after`.
@@ -146,7 +196,7 @@ impl Tally {
     pub(super) fn none(one: &Heard, echogram: &Echogram, has_near: bool) -> Tally {
         Tally {
             sums: Sums::none(one, echogram, has_near),
-            near: has_near.then(|| NearScattering::new(one.pair, &one.late, echogram)),
+            near: has_near.then(|| NearScattering::new(one.pair, echogram)),
             early: Vec::new(),
             followed: Vec::new(),
             travel_on: None,
@@ -216,14 +266,19 @@ impl Tally {
         self.waves = after;
     }
 
-    /// The late arrivals, with the sound scattered after few reflections.
-    pub fn arrivals(&self) -> Arrivals {
-        let sums = &self.sums;
-        let mut echogram = sums.echogram.clone();
+    /// The late arrivals in this sphere, with the sound scattered after few reflections.
+    pub fn arrivals(&self, late: &LateSphere) -> Arrivals {
+        let Sums { wide, inner } = &self.sums;
+        let (counted, other) = match inner {
+            Some(inner) if late.is_narrowed => (inner, Some(wide)),
+            other => (wide, other.as_ref()),
+        };
+        let mut echogram = counted.late.clone();
         let mut bias = echogram.without_arrivals();
         let mut in_own_sphere = echogram.without_arrivals();
-        if let (Some(near), Some(wide)) = (&self.near, &sums.near) {
-            near.add_to(wide, [&mut in_own_sphere, &mut echogram], &mut bias);
+        if let (Some(near), Some(of_sphere)) = (&self.near, &counted.near) {
+            let sums = [&mut in_own_sphere, &mut echogram];
+            near.add_to((of_sphere, late.counted_m()), sums, &mut bias);
         }
         let counts = self
             .followed
@@ -232,10 +287,10 @@ impl Tally {
         Arrivals {
             echogram,
             in_own_sphere,
-            straight: sums.straight.clone(),
-            inner: sums.inner.as_ref().map(|inner| Difference {
-                wide: sums.echogram.clone(),
-                inner: inner.clone(),
+            straight: counted.straight.clone(),
+            inner: other.map(|other| Difference {
+                counted: counted.late.clone(),
+                other: other.late.clone(),
             }),
             bias,
             counts: counts.fold(ArrivalCounts::of_none(), ArrivalCounts::and),
