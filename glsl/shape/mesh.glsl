@@ -60,6 +60,17 @@ void meetTriangle(int at, vec3 p, vec3 d, float errorBound, inout float nearest,
     }
 }
 
+// Leaves the block of `skip` cells on each side of a cell, along the line from q, in the grid's coordinates, along d.
+void leaveCells(float skip, vec3 q, vec3 d, vec3 inverse, vec3 sides, float size, inout float t, inout vec3 cell) {
+    vec3 faces = (cell + mix(vec3(1.0 - skip), vec3(skip), sides)) * size;
+    vec3 ways = (faces - q) * inverse;
+    float way = min(ways.x, min(ways.y, ways.z));
+    t = max(t, way);
+    vec3 within = clamp(floor((q + t * d) / size), cell - (skip - 1.0), cell + (skip - 1.0));
+    vec3 beyond = cell + mix(vec3(-skip), vec3(skip), sides);
+    cell = mix(within, beyond, step(ways, vec3(way)));
+}
+
 // The distance from p along d to the nearest face whose air side the line meets, or NO_HIT beyond limit. Sets
 // meshTriangle.
 //
@@ -87,29 +98,26 @@ float hitMesh(vec3 p, vec3 d, float errorBound, float limit, int first) {
     int most = 2 * int(count.x + count.y + count.z);   // rounding may lead back by a cell
     bool isWithin = t <= end;
     for (int i = 0; i < most && isWithin; ++i) {
+        // Waves that are drawn together take the time of the slowest, so all of them fly to their next lists first.
         float word = meshCell(cell, count, cells);
-        int list = word < 0.0 ? lists + int(-1.0 - word) : -1;
+        for (; i < most && isWithin && word >= 0.0; ++i) {
+            leaveCells(max(floor(word), 1.0), q, d, inverse, sides, size, t, cell);
+            vec3 held = clamp(cell, vec3(0.0), last);
+            isWithin = t < nearest && cell == held;
+            word = meshCell(held, count, cells);
+        }
+        int list = isWithin && word < 0.0 ? lists + int(-1.0 - word) : -1;
         while (list >= 0) {
             vec4 listed = sceneData(list);
-            meetTriangle(triangles + 4 * int(listed.x), p, d, errorBound, nearest, met);
-            if (listed.y >= 0.0) {
-                meetTriangle(triangles + 4 * int(listed.y), p, d, errorBound, nearest, met);
-            }
-            if (listed.z >= 0.0) {
-                meetTriangle(triangles + 4 * int(listed.z), p, d, errorBound, nearest, met);
+            vec3 left = listed.xyz;   // triangles that are not met yet
+            while (left.x >= 0.0) {
+                meetTriangle(triangles + 4 * int(left.x), p, d, errorBound, nearest, met);
+                left = vec3(left.yz, -1.0);
             }
             list = listed.w > 0.0 ? list + 1 : -1;
         }
-        // The block of free cells around the cell, and the side through which the line leaves the block.
-        float skip = max(floor(word), 1.0);
-        vec3 faces = (cell + mix(vec3(1.0 - skip), vec3(skip), sides)) * size;
-        vec3 ways = (faces - q) * inverse;
-        float way = min(ways.x, min(ways.y, ways.z));
-        t = max(t, way);
-        vec3 within = clamp(floor((q + t * d) / size), cell - (skip - 1.0), cell + (skip - 1.0));
-        vec3 beyond = cell + mix(vec3(-skip), vec3(skip), sides);
-        cell = mix(within, beyond, step(ways, vec3(way)));
-        isWithin = t < nearest && cell == clamp(cell, vec3(0.0), last);
+        leaveCells(1.0, q, d, inverse, sides, size, t, cell);
+        isWithin = isWithin && t < nearest && cell == clamp(cell, vec3(0.0), last);
     }
     if (met >= 0.0) {
         meshTriangle = met;

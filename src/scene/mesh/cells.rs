@@ -93,10 +93,12 @@ impl MeshCells {
         }
     }
 
-    /// Maximum turns of the loops over the cells on a line and over their lists.
+    /// Maximum turns of the loops over the cells on a line, their lists and the triangles of these (`hitMesh` in
+    /// `glsl/shape/mesh.glsl`). A free cell is a turn of two loops.
     pub fn turns_on_line(&self) -> u64 {
+        const TRIANGLES: u64 = 3;
         let cells = self.count.element_sum() as u64;
-        cells * (1 + self.longest_list as u64)
+        cells * (2 + self.longest_list as u64 * (1 + TRIANGLES))
     }
 }
 
