@@ -76,7 +76,7 @@ pub use reload::Opening;
 pub use reload::Reloading;
 #[doc(hidden)]
 pub use settings::MARCHES_PER_PASS;
-pub use settings::{Algorithm, HybridOptions, MarchOptions, Profile, Settings, ThesisOptions};
+pub use settings::{Algorithm, Profile, Settings, ThesisOptions};
 use start_order::Starts;
 use std::cell::RefCell;
 use std::rc::Rc;

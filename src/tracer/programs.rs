@@ -129,8 +129,8 @@ impl Programs {
 pub(super) fn march_options(settings: &Settings) -> MarchText {
     MarchText {
         algorithm: match &settings.algorithm {
-            Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
-            Algorithm::March(_) => AlgorithmText::March,
+            Algorithm::Hybrid => AlgorithmText::Hybrid,
+            Algorithm::March => AlgorithmText::March,
             Algorithm::Thesis(_) => AlgorithmText::Thesis,
         },
         count_evaluations: settings.count_evaluations,
@@ -148,7 +148,7 @@ pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
         algorithm: march_options(settings).algorithm,
         thesis_steps: match &settings.algorithm {
             Algorithm::Thesis(thesis) => thesis.step_limit(settings.max_distance),
-            Algorithm::March(_) | Algorithm::Hybrid(_) => 0,
+            Algorithm::March | Algorithm::Hybrid => 0,
         },
         iterations_per_pass: settings.iterations_per_pass,
         detectors: 1,
