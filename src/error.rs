@@ -14,7 +14,7 @@ use crate::hrtf::HrirError;
 use crate::hrtf::SofaError;
 use crate::response::ResponseError;
 use crate::scene::SceneError;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
 use crate::simulator::SimulatorError;
 use crate::tracer::TraceError;
 
@@ -38,7 +38,7 @@ pub enum Error {
     #[error(transparent)]
     Acoustics(#[from] ResponseError),
     /// A call of a simulator that cannot be carried out.
-    #[cfg(not(target_arch = "wasm32"))]
+    #[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
     /// An unknown name of a profile, or of a kind of start directions.
@@ -85,7 +85,7 @@ impl Error {
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
             Error::Acoustics(_) | Error::UnknownName { .. } => true,
-            #[cfg(not(target_arch = "wasm32"))]
+            #[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
             Error::Simulator(error) => !matches!(error, SimulatorError::NoThread { .. }),
             #[cfg(feature = "audio")]
             Error::Live(error) => error.is_bad_input(),

@@ -96,7 +96,7 @@ mod sampling;
 pub mod scene;
 mod serialised;
 mod shader;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
 pub mod simulator;
 mod sphere_cells;
 mod text;
@@ -121,9 +121,6 @@ const _: () = {
     may_move::<audio::live::SoundSource>();
     may_move::<audio::Mixer>();
     may_move::<audio::WavWriter>();
-    const fn may_be_shared<T: Send + Sync>() {}
-    #[cfg(not(target_arch = "wasm32"))]
-    may_be_shared::<simulator::Simulator>();
 };
 
 pub use error::Error;

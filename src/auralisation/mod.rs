@@ -62,7 +62,7 @@ use crate::tracer::Profile;
 use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
 use delay_line::REACH;
 use echoes::Echoes;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) use echoes::MOST_DOPPLER;
 
 /// Left and right.

@@ -41,6 +41,7 @@ pub use sofa::{SofaError, SofaProblem};
 
 #[cfg(feature = "sofa")]
 pub(crate) use balloon::{Balloon, BalloonError};
+#[cfg(feature = "simulator")]
 pub(crate) use facet_index::IndexedFacets;
 pub(crate) use facets::Facets;
 

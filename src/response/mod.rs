@@ -79,7 +79,7 @@ pub use figures::Precision;
 pub use figures::{BandFigures, Figures};
 pub(crate) use figures::{CommonErrors, Differences, Record, uncertain_energy};
 pub use heard_source::{HeardKind, HeardSource};
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) use hidden::DirectWays;
 #[doc(hidden)]
 pub use hidden::diffracted;

@@ -64,7 +64,7 @@ use gpu_scene::{OWN_UNIFORM_VECTORS, check_uniforms};
 pub use heard_paths::{HeardPaths, HeardSearch, MostKept};
 use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
 #[doc(hidden)]
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) use programs::arrivals_key;
 pub use programs::{Pass, shader_text};
 use programs::{

@@ -9,7 +9,7 @@ use crate::shader::{
     self, AlgorithmText, ArrivalsText, Budget, CompiledScene, LoopsAsked, MarchText, Materials,
     OriginRebasing, StartOrderText, Structure, StructureKey,
 };
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -162,7 +162,7 @@ pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
 
 /// A number that is equal for scenes whose arrivals are traced by the same programs with these settings. Different
 /// scenes have different numbers, except by a chance of 2⁻⁶⁴.
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) fn arrivals_key(scene: &Scene, settings: &Settings, transmits: bool) -> u64 {
     /// The records and outputs do not depend on the scene.
     const SOME: u32 = 4;

@@ -293,6 +293,7 @@ pub struct ListenerAxes {
 
 impl ListenerAxes {
     /// The axes for vectors that are in listener axes already: see [`ListenerAxes::to_listener`].
+    #[cfg(feature = "simulator")]
     pub(crate) const OWN: ListenerAxes = ListenerAxes {
         forward: DVec3::X,
         right: DVec3::NEG_Y,
