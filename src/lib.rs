@@ -74,7 +74,9 @@
 mod macros;
 
 mod arrival;
+#[cfg(feature = "audio")]
 pub mod audio;
+#[cfg(feature = "audio")]
 pub mod auralisation;
 pub mod bands;
 pub mod error;
@@ -85,6 +87,7 @@ pub mod gl;
 pub mod hrtf;
 #[doc(hidden)]
 pub mod internals;
+#[cfg(feature = "audio")]
 pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
@@ -116,11 +119,6 @@ const _: () = {
     may_move::<Settings>();
     may_move::<Frame>();
     may_move::<Error>();
-    may_move::<audio::Sound>();
-    #[cfg(feature = "audio")]
-    may_move::<audio::live::SoundSource>();
-    may_move::<audio::Mixer>();
-    may_move::<audio::WavWriter>();
 };
 
 pub use error::Error;

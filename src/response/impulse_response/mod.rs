@@ -229,6 +229,7 @@ impl ImpulseResponse {
 }
 
 /// The gain of a band's filter for taps at a frequency in hertz: see [`ImpulseResponse`].
+#[cfg(feature = "audio")]
 pub(crate) fn tap_filter_gain(band: usize, frequency_hz: f64) -> f64 {
     Crossing::Amplitude.gain(band, frequency_hz)
 }
