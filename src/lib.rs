@@ -82,6 +82,9 @@ pub mod bands;
 pub mod error;
 mod file_input;
 mod file_output;
+#[cfg(not(feature = "reference"))]
+mod geometry;
+#[cfg(feature = "reference")]
 pub mod geometry;
 pub mod gl;
 pub mod hrtf;
