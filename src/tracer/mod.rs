@@ -50,8 +50,6 @@ pub(crate) use arrivals::{
     WavesToFollow, resampled_band_groups,
 };
 pub use error::TraceError;
-#[cfg(not(target_arch = "wasm32"))]
-pub use field_trial::answer_field_trial;
 pub use field_trial::{FieldTrial, TrialCommand};
 use frame::timed;
 pub use frame::{Counts, Frame, Milliseconds, Panning};
