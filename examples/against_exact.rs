@@ -1,7 +1,7 @@
 //! Compares the thesis' algorithm with exact tracing of the same waves:
 //!
 //! ```sh
-//! cargo run --release --example against_exact [WAVES]
+//! cargo run --release --features reference --example against_exact [WAVES]
 //! ```
 
 use echomarch::geometry::ExactScene;

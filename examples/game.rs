@@ -4,7 +4,7 @@
 //! blocks of 512 samples. The program prints the median and the 99th percentile of each.
 //!
 //! ```sh
-//! cargo run --release --example game [SECONDS]
+//! cargo run --release --features audio,simulator --example game [SECONDS]
 //! ```
 
 use echomarch::audio::Sound;

@@ -1,7 +1,7 @@
 //! The reverberation that a simulator states, beside a response of 262,144 waves in ten scenes.
 //!
 //! ```sh
-//! cargo run --release --example game_reverb [REFERENCE_WAVES]
+//! cargo run --release --features simulator --example game_reverb [REFERENCE_WAVES]
 //! ```
 
 use echomarch::bands::BANDS_HZ;

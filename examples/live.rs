@@ -1,7 +1,7 @@
 //! Plays a sound that moves from left to right on a sound device:
 //!
 //! ```sh
-//! cargo run --release --example live -- --sound speech --seconds 10
+//! cargo run --release --features live --example live -- --sound speech --seconds 10
 //! ```
 
 use echomarch::audio::live::{Live, LiveOptions, list_devices};

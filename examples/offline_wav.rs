@@ -1,7 +1,7 @@
 //! Renders a moving source to a WAV file, without a sound card:
 //!
 //! ```sh
-//! cargo run --release --example offline_wav [FILE.wav]
+//! cargo run --release --features audio --example offline_wav [FILE.wav]
 //! ```
 
 use echomarch::audio::{Mixer, PanningLaw, Sound, WavWriter};

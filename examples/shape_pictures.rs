@@ -1,8 +1,8 @@
 //! Draws the pictures of `docs/scene-format.md`: one for each shape and operator, from its notation in a scene file,
 //! and one for each built-in scene that contains them.
 //!
-//! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`. With names after `--` it writes
-//! only the pictures with these names.
+//! `cargo run --release --features picture --example shape_pictures` writes `docs/images/shapes/*.png`. With names after
+//! `--` it writes only the pictures with these names.
 
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::picture::{ViewOptions, first_person, save_png};

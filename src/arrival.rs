@@ -3,6 +3,11 @@
 use crate::bands::Bands;
 use glam::DVec3;
 
+/// Maximum rate of change of a delay (a source that moves at a fifth of the speed of sound, 250 km/h). If a delay
+/// changes faster, the echo fades out at the old delay and in at the new one.
+#[cfg(any(feature = "audio", feature = "simulator"))]
+pub(crate) const MOST_DOPPLER: f64 = 0.2;
+
 /// One crossing of the listener's sphere by a wave.
 ///
 /// The listener is transparent. A crossing is one sample of the energy density at the listener. Its expected value over

@@ -5,8 +5,9 @@ pub use crate::file_input::{InputError, MalformedText};
 #[cfg(feature = "picture")]
 pub use crate::file_output::OutputError;
 
-use crate::audio::AudioError;
 #[cfg(feature = "audio")]
+use crate::audio::AudioError;
+#[cfg(feature = "live")]
 use crate::audio::live::LiveError;
 use crate::gl::GpuError;
 use crate::hrtf::HrirError;
@@ -14,7 +15,7 @@ use crate::hrtf::HrirError;
 use crate::hrtf::SofaError;
 use crate::response::ResponseError;
 use crate::scene::SceneError;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
 use crate::simulator::SimulatorError;
 use crate::tracer::TraceError;
 
@@ -32,13 +33,14 @@ pub enum Error {
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// A sound that cannot be read, or a WAV that cannot be written.
+    #[cfg(feature = "audio")]
     #[error(transparent)]
     Audio(#[from] AudioError),
     /// Echograms or impulse responses that cannot be computed.
     #[error(transparent)]
     Acoustics(#[from] ResponseError),
     /// A call of a simulator that cannot be carried out.
-    #[cfg(not(target_arch = "wasm32"))]
+    #[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
     /// An unknown name of a profile, or of a kind of start directions.
@@ -50,7 +52,7 @@ pub enum Error {
         message: String,
     },
     /// Live sound that cannot be played or recorded.
-    #[cfg(feature = "audio")]
+    #[cfg(feature = "live")]
     #[error(transparent)]
     Live(#[from] LiveError),
     /// A SOFA file that cannot be read or written.
@@ -65,6 +67,7 @@ pub enum Error {
 
 impl Error {
     /// Adds the time on the scene's paths to a scene error. Returns other errors unchanged.
+    #[cfg(feature = "audio")]
     pub(crate) fn at(self, seconds: f64) -> Error {
         match self {
             Error::Scene(refused) => Error::Scene(refused.at(seconds)),
@@ -83,11 +86,12 @@ impl Error {
                     | TraceError::NoFieldTrial { .. }
             ),
             Error::Gpu(error) => error.is_bad_input(),
+            #[cfg(feature = "audio")]
             Error::Audio(error) => error.is_bad_input(),
             Error::Acoustics(_) | Error::UnknownName { .. } => true,
-            #[cfg(not(target_arch = "wasm32"))]
+            #[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
             Error::Simulator(error) => !matches!(error, SimulatorError::NoThread { .. }),
-            #[cfg(feature = "audio")]
+            #[cfg(feature = "live")]
             Error::Live(error) => error.is_bad_input(),
             #[cfg(feature = "sofa")]
             Error::Sofa(error) => error.is_bad_input(),
@@ -144,10 +148,11 @@ mod tests {
         refused("spiral".parse::<Directions>());
         refused(Scene::builtin("nowhere"));
         refused(HeightImage::new("h", UVec2::ONE, vec![0.5]));
+        #[cfg(feature = "audio")]
         refused("hum".parse::<crate::audio::SoundSpec>());
         refused(crate::hrtf::HrirSet::new(48_000, Vec::new()));
         refused(crate::response::Echogram::new(-1.0, 1));
-        #[cfg(feature = "audio")]
+        #[cfg(feature = "live")]
         refused(Err::<(), _>(LiveError::NotRecording));
     }
 }

@@ -213,7 +213,7 @@ pub fn temporary_beside(target: &Path) -> io::Result<PartFile> {
 
 /// Like [`temporary_beside`], with a visible name, so that users find the file of an interrupted program. `heard.wav`
 /// becomes `heard-XXXXXX.part.wav`.
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 pub fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
     let mut begin = target.file_stem().unwrap_or_default().to_owned();
     begin.push("-");

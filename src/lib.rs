@@ -35,12 +35,12 @@
 //! | [`tracer`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
 //! | [`response`] | the [`Response`](response::Response) of a scene: exact specular paths, echogram, the figures of ISO 3382-1, impulse responses |
 //! | [`hrtf`] | head-related impulse responses |
-//! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
-//! | [`auralisation`] | the sound of a source as a listener hears it |
-//! | `simulator` | for games: a world of sources and surfaces, traced on a thread of its own (not in browsers) |
-//! | [`offline`] | sound of a moving scene, without a sound card |
 //! | [`gl`] | contexts without a window, and the available renderers |
-//! | [`geometry`] | reference tracing of waves in `f64` on the CPU |
+//! | `audio` | sounds, panning laws, mixer, WAV files (feature `audio`); `audio::live`: live sound (feature `live`) |
+//! | `auralisation` | the sound of a source as a listener hears it (feature `audio`) |
+//! | `offline` | sound of a moving scene, without a sound card (feature `audio`) |
+//! | `simulator` | for games: a world of sources and surfaces, traced on a thread of its own (feature `simulator`, not in browsers) |
+//! | `geometry` | reference tracing of waves in `f64` on the CPU (feature `reference`) |
 //! | `picture` | the listener's view, and the plan with paths (feature `picture`) |
 //! | [`error`] | the error type |
 //!
@@ -50,19 +50,23 @@
 //! GLSL in this process, other GLSL in a child process first. See [`tracer::FieldTrial`].
 //!
 //! # Features
-//! No feature is on by default.
+//! No feature is on by default: `cargo add echomarch` gives scenes, the tracer and responses.
 //!
 //! | feature | adds |
 //! | --- | --- |
-//! | `audio` | live output through a sound card, in [`audio`] |
+//! | `audio` | sounds, panning laws, mixer, WAV files; the sound of responses (`auralisation`), and of moving scenes (`offline`) |
+//! | `live` | live output through a sound card, and the feature `audio` |
+//! | `meshes` | triangle meshes from OBJ and glTF files |
 //! | `picture` | pictures and plans of scenes as PNG |
+//! | `reference` | exact references: waves in closed form, and the image sources of a rectangular room |
+//! | `simulator` | the simulator for games |
 //! | `sofa` | head-related impulse responses and directivities from SOFA files, impulse responses as SOFA files |
 //! | `window` | contexts of windows on X11 and Wayland, for the program's own window |
 //!
 //! The program, its experiments and studies, and its window are separate packages, under `apps/`.
 //!
 //! # Threads
-//! Scenes, settings, frames and everything in [`audio`] may move between threads. A [`gl::Context`], and with it a
+//! Scenes, settings, frames and everything in `audio` may move between threads. A [`gl::Context`], and with it a
 //! [`Tracer`], stays on the thread that made it:
 //!
 //! ```compile_fail,E0277
@@ -74,17 +78,23 @@
 mod macros;
 
 mod arrival;
+#[cfg(feature = "audio")]
 pub mod audio;
+#[cfg(feature = "audio")]
 pub mod auralisation;
 pub mod bands;
 pub mod error;
 mod file_input;
 mod file_output;
+#[cfg(not(feature = "reference"))]
+mod geometry;
+#[cfg(feature = "reference")]
 pub mod geometry;
 pub mod gl;
 pub mod hrtf;
 #[doc(hidden)]
 pub mod internals;
+#[cfg(feature = "audio")]
 pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
@@ -96,7 +106,7 @@ mod sampling;
 pub mod scene;
 mod serialised;
 mod shader;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "simulator", not(target_arch = "wasm32")))]
 pub mod simulator;
 mod sphere_cells;
 mod text;
@@ -116,14 +126,6 @@ const _: () = {
     may_move::<Settings>();
     may_move::<Frame>();
     may_move::<Error>();
-    may_move::<audio::Sound>();
-    #[cfg(feature = "audio")]
-    may_move::<audio::live::SoundSource>();
-    may_move::<audio::Mixer>();
-    may_move::<audio::WavWriter>();
-    const fn may_be_shared<T: Send + Sync>() {}
-    #[cfg(not(target_arch = "wasm32"))]
-    may_be_shared::<simulator::Simulator>();
 };
 
 pub use error::Error;

@@ -8,9 +8,9 @@
 mod renewal;
 
 use crate::audio::{AudioError, FrameBlocks, Mixer, Sound};
-use crate::auralisation::{Auralisation, Heard, Spec};
+use crate::auralisation::{Auralisation, Heard, HeardSource, Spec};
 use crate::error::Error;
-use crate::response::{HeardSource, ListenerAxes, Response, ResponseSettings};
+use crate::response::{ListenerAxes, Response, ResponseSettings};
 use crate::scene::{IntoPair, Scene};
 use crate::tracer::{Frame, Settings, TraceError, Tracer};
 use renewal::{Renewal, Slots};

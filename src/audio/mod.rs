@@ -38,7 +38,7 @@
 //! ```
 
 mod error;
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 pub mod live;
 mod panning;
 mod signals;
@@ -54,6 +54,16 @@ pub use sound::{Sound, SoundSpec, StereoSignal};
 pub use wav_write::WavWriter;
 #[doc(hidden)]
 pub use wav_write::wav_to_io;
+
+/// Protects programs that hand sounds to another thread.
+const _: () = {
+    const fn may_move<T: Send>() {}
+    may_move::<Sound>();
+    #[cfg(feature = "live")]
+    may_move::<live::SoundSource>();
+    may_move::<Mixer>();
+    may_move::<WavWriter>();
+};
 
 /// Rejects an unsupported sample rate.
 fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {

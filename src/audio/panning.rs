@@ -59,6 +59,11 @@ impl PanningLaw {
     ///
     /// A pan outside the range is clamped to the range; NaN counts as the centre. Mirrored pans give exactly mirrored
     /// gains.
+    ///
+    /// ```
+    /// let gains = echomarch::audio::PanningLaw::Linear.gains(0.5);
+    /// assert_eq!((gains.left, gains.right), (0.25, 0.75));
+    /// ```
     pub fn gains(self, pan: f32) -> Gains {
         let pan = if pan.is_nan() {
             0.0

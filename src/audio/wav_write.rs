@@ -8,7 +8,7 @@
 //! samples as incomplete.
 
 use super::{AudioError, Sound, check_rate};
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 use crate::file_output::visible_part_beside;
 use crate::file_output::{PartFile, followed, temporary_beside};
 use std::fs::File;
@@ -75,7 +75,7 @@ impl WavWriter {
 
     /// Like [`create_at`](Self::create_at), for a sound written during playback: the temporary file is not hidden, so
     /// that users find it if the program is interrupted.
-    #[cfg(feature = "audio")]
+    #[cfg(feature = "live")]
     pub(super) fn record_at(target: &Path, rate_hz: u32) -> Result<Self, AudioError> {
         Self::start(target.to_owned(), rate_hz, STEREO, visible_part_beside)
     }
@@ -142,7 +142,7 @@ impl WavWriter {
     }
 
     /// Makes the temporary file playable up to the last written sample.
-    #[cfg(feature = "audio")]
+    #[cfg(feature = "live")]
     pub(super) fn flush(&mut self) -> Result<(), AudioError> {
         self.complete()
             .map_err(|error| write_error(&self.target, error))

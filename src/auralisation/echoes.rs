@@ -4,10 +4,7 @@ use super::convolution::BLOCK;
 use super::delay_line::DelayLine;
 use super::prepared_sound::Echo;
 use super::{CHANNELS, Heard};
-
-/// Maximum rate of change of a delay (a source that moves at a fifth of the speed of sound, 250 km/h). If a delay
-/// changes faster, the echo fades out at the old delay and in at the new one.
-pub(crate) const MOST_DOPPLER: f64 = 0.2;
+use crate::arrival::MOST_DOPPLER;
 
 /// Maximum number of simultaneous echoes: current echoes and echoes that fade out.
 const VOICES: usize = 2 * Heard::MOST_ECHOES;

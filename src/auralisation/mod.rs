@@ -45,11 +45,13 @@
 mod convolution;
 mod delay_line;
 mod echoes;
+mod heard_source;
 mod player;
 mod prepared_sound;
 #[cfg(test)]
 mod tests;
 
+pub use heard_source::{HeardKind, HeardSource};
 pub use player::{Player, PlayerRemote};
 pub use prepared_sound::Heard;
 #[doc(hidden)]
@@ -62,8 +64,6 @@ use crate::tracer::Profile;
 use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
 use delay_line::REACH;
 use echoes::Echoes;
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) use echoes::MOST_DOPPLER;
 
 /// Left and right.
 const CHANNELS: usize = 2;

@@ -157,6 +157,7 @@ impl Placed {
     }
 
     /// Whether the shape is curved. Reflections at curved shapes spread waves, and therefore increase their errors.
+    #[cfg(any(test, feature = "reference"))]
     pub fn is_curved(&self) -> bool {
         matches!(
             self.form,

@@ -35,25 +35,24 @@
 mod chords;
 mod closed_form;
 mod distances;
+#[cfg(any(test, feature = "reference"))]
+mod ear;
 mod exact;
 mod hierarchy;
 mod hollow;
-mod image_source;
 mod intersection;
 mod marched;
 mod obstacles;
 mod placed_mesh;
-mod shoebox_energies;
+#[cfg(any(test, feature = "reference"))]
+mod reference;
 mod sight;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub(crate) use chords::{Chord, SolidsAhead};
-pub use exact::{ExactScene, ExactWave, Hit};
-#[doc(hidden)]
-pub use exact::{PathVertex, sequence_hash};
-#[doc(hidden)]
-pub use image_source::ShoeboxImages;
-#[doc(hidden)]
-pub use shoebox_energies::EnergiesByLength;
-pub use shoebox_energies::{ImageSource, ShoeboxEnergies};
+pub use exact::ExactScene;
+#[cfg(any(test, feature = "reference"))]
+pub use exact::Hit;
+#[cfg(any(test, feature = "reference"))]
+pub use reference::*;

@@ -41,6 +41,7 @@ pub use sofa::{SofaError, SofaProblem};
 
 #[cfg(feature = "sofa")]
 pub(crate) use balloon::{Balloon, BalloonError};
+#[cfg(feature = "simulator")]
 pub(crate) use facet_index::IndexedFacets;
 pub(crate) use facets::Facets;
 
@@ -73,15 +74,6 @@ pub struct Hrir {
     pub delay_s: f64,
 }
 
-/// The responses of both ears to sound from one direction.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HrirPair {
-    /// Response of the left ear.
-    pub left: Hrir,
-    /// Response of the right ear.
-    pub right: Hrir,
-}
-
 /// Head-related impulse responses of many directions.
 ///
 /// ```
@@ -95,10 +87,10 @@ pub struct HrirPair {
 ///     delays_s: [0.0; 2],
 /// };
 /// let set = HrirSet::new(48_000, vec![measured(1.0, 0.9, 0.3), measured(-1.0, 0.3, 0.9)])?;
-/// let pair = set.pair(DVec3::Y);
+/// let [at_left, at_right] = set.pair(DVec3::Y);
 /// let sum = |samples: &[f32]| samples.iter().sum::<f32>();
-/// assert!((sum(&pair.left.samples) - 0.9).abs() < 1e-3);
-/// assert!((sum(&pair.right.samples) - 0.3).abs() < 1e-3);
+/// assert!((sum(&at_left.samples) - 0.9).abs() < 1e-3);
+/// assert!((sum(&at_right.samples) - 0.3).abs() < 1e-3);
 /// # Ok::<(), echomarch::hrtf::HrirError>(())
 /// ```
 #[derive(Clone, PartialEq)]
@@ -106,8 +98,8 @@ pub struct HrirSet {
     rate_hz: u32,
     samples: usize,
     facets: Facets,
-    /// One pair of responses for each direction of `facets`.
-    pairs: Vec<HrirPair>,
+    /// The responses of the left and of the right ear for each direction of `facets`.
+    pairs: Vec<[Hrir; 2]>,
 }
 
 impl HrirSet {
@@ -195,13 +187,8 @@ impl HrirSet {
                 delay_s: hrir.delay_s,
             })
         };
-        let both = |pair: &HrirPair| -> Result<HrirPair, HrirError> {
-            Ok(HrirPair {
-                left: resample(&pair.left)?,
-                right: resample(&pair.right)?,
-            })
-        };
-        let pairs: Result<Vec<HrirPair>, HrirError> = self.pairs.par_iter().map(both).collect();
+        let both = |[left, right]: &[Hrir; 2]| Ok([resample(left)?, resample(right)?]);
+        let pairs: Result<Vec<_>, HrirError> = self.pairs.par_iter().map(both).collect();
         let pairs = pairs?;
         Ok(HrirSet {
             rate_hz,
@@ -211,28 +198,30 @@ impl HrirSet {
         })
     }
 
-    /// The responses to sound from a direction in listener axes, of any length; a zero vector counts as straight ahead.
-    pub fn pair(&self, from: DVec3) -> HrirPair {
-        let mut pair = HrirPair::default();
+    /// The responses of the left and of the right ear to sound from a direction in listener axes, of any length; a zero
+    /// vector counts as straight ahead.
+    pub fn pair(&self, from: DVec3) -> [Hrir; 2] {
+        let mut pair = <[Hrir; 2]>::default();
         self.pair_into(from, &mut pair);
         pair
     }
 
     /// Like [`pair`](Self::pair), but stores the responses in an existing pair. Does not allocate if this set has
     /// filled the pair before.
-    pub fn pair_into(&self, from: DVec3, pair: &mut HrirPair) {
+    pub fn pair_into(&self, from: DVec3, pair: &mut [Hrir; 2]) {
         let from = from.try_normalize().unwrap_or(DVec3::X);
         let around = self.facets.around(from);
-        self.mix(&around, |pair| &pair.left, &mut pair.left);
-        self.mix(&around, |pair| &pair.right, &mut pair.right);
+        for (ear, hrir) in pair.iter_mut().enumerate() {
+            self.mix(&around, ear, hrir);
+        }
     }
 
-    fn mix(&self, around: &[facets::Weight; 3], ear: impl Fn(&HrirPair) -> &Hrir, out: &mut Hrir) {
+    fn mix(&self, around: &[facets::Weight; 3], ear: usize, out: &mut Hrir) {
         out.samples.clear();
         out.samples.resize(self.samples, 0.0);
         out.delay_s = 0.0;
         for (index, weight) in around.iter().filter(|(_, weight)| *weight > 0.0) {
-            let hrir = ear(&self.pairs[*index]);
+            let hrir = &self.pairs[*index][ear];
             out.delay_s += weight * hrir.delay_s;
             for (sum, sample) in out.samples.iter_mut().zip(&hrir.samples) {
                 *sum += *weight as f32 * sample;
@@ -244,15 +233,14 @@ impl HrirSet {
     fn count_from_the_centre(&mut self, onset_s: f64) {
         let delay = |from: DVec3| -> f64 {
             let of = |(index, weight): (usize, f64)| {
-                let pair = &self.pairs[index];
-                weight * 0.5 * (pair.left.delay_s + pair.right.delay_s)
+                let [left, right] = &self.pairs[index];
+                weight * 0.5 * (left.delay_s + right.delay_s)
             };
             self.facets.around(from).into_iter().map(of).sum()
         };
         let mean = lattice(DELAY_DIRECTIONS).map(delay).sum::<f64>() / DELAY_DIRECTIONS as f64;
-        for pair in &mut self.pairs {
-            pair.left.delay_s -= mean + onset_s;
-            pair.right.delay_s -= mean + onset_s;
+        for hrir in self.pairs.iter_mut().flatten() {
+            hrir.delay_s -= mean + onset_s;
         }
     }
 }
@@ -269,8 +257,8 @@ impl std::fmt::Debug for HrirSet {
 }
 
 /// Number of samples of each response.
-fn length(pairs: &[HrirPair]) -> usize {
-    pairs.first().map_or(0, |pair| pair.left.samples.len())
+fn length(pairs: &[[Hrir; 2]]) -> usize {
+    pairs.first().map_or(0, |[left, _]| left.samples.len())
 }
 
 /// The reason why measurements are not a valid set of head-related impulse responses.

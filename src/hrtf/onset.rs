@@ -5,7 +5,7 @@
 //! maximum of the cross-correlation of the two, interpolated between samples. Unlike an onset found by a threshold, it
 //! does not jump from one peak to another in the head's shadow.
 
-use super::{Hrir, HrirPair, MARGIN, MeasuredHrir};
+use super::{Hrir, MARGIN, MeasuredHrir};
 use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -183,7 +183,8 @@ fn peak(values: &[f64]) -> f64 {
 
 /// Responses with a common onset.
 pub(super) struct Aligned {
-    pub(super) pairs: Vec<HrirPair>,
+    /// The responses of the left and of the right ear.
+    pub(super) pairs: Vec<[Hrir; 2]>,
     /// The common onset, in seconds after the first sample of the responses.
     pub(super) onset_s: f64,
 }
@@ -206,14 +207,13 @@ pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) 
     let mover = Mover::new(samples + (latest - earliest).ceil() as usize + 2 * MARGIN);
     let (rate, place) = (f64::from(rate_hz), MARGIN as f64 + latest);
     let pair = |(measured, found): (&&MeasuredHrir, &[Option<f64>; 2])| {
-        let [left, right] = std::array::from_fn(|ear| {
+        std::array::from_fn(|ear| {
             let later = place - found[ear].unwrap_or(middle);
             Hrir {
                 samples: mover.later(&measured.ears[ear], later),
                 delay_s: measured.delays_s[ear] - later / rate,
             }
-        });
-        HrirPair { left, right }
+        })
     };
     Some(Aligned {
         pairs: measured.par_iter().zip(&found).map(pair).collect(),

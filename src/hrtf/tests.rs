@@ -1,6 +1,6 @@
 //! Sets of head-related impulse responses compared with exact responses of a rigid sphere.
 
-use super::{Hrir, HrirError, HrirPair, HrirSet, MeasuredHrir};
+use super::{Hrir, HrirError, HrirSet, MeasuredHrir};
 use crate::sampling::lattice;
 use glam::DVec3;
 use realfft::RealFftPlanner;
@@ -149,16 +149,12 @@ fn spectrum(hrir: &Hrir, rate_hz: f64) -> Vec<Complex<f64>> {
     (0..=SAMPLES / 2).map(value).collect()
 }
 
-fn ears(pair: &HrirPair) -> [&Hrir; 2] {
-    [&pair.left, &pair.right]
-}
-
 /// The delay of a set's time 0 relative to the head's centre, in seconds: from the phase at low
 /// frequencies of a measured direction.
 fn offset_s(set: &HrirSet) -> f64 {
     const BIN: usize = 4;
     let from = set.directions()[0];
-    let found = spectrum(&set.pair(from).left, set.rate_hz().into())[BIN];
+    let found = spectrum(&set.pair(from)[0], set.rate_hz().into())[BIN];
     let phase = (found * transfer(from, 0)[BIN].conj()).arg();
     -phase / (TAU * BIN as f64 * f64::from(RATE_HZ) / SAMPLES as f64)
 }
@@ -169,8 +165,7 @@ fn error(set: &HrirSet, band_hz: std::ops::Range<f64>) -> f64 {
     let offset = offset_s(set);
     let (mut off, mut all) = (0.0, 0.0);
     for from in lattice(60) {
-        let pair = set.pair(from);
-        for (ear, hrir) in ears(&pair).into_iter().enumerate() {
+        for (ear, hrir) in set.pair(from).iter().enumerate() {
             let exact = transfer(from, ear);
             for (bin, found) in spectrum(hrir, set.rate_hz().into()).iter().enumerate() {
                 let hertz = bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64;
@@ -207,7 +202,7 @@ fn measured_directions_are_exact() {
     let set = set(lattice(40));
     let offset = offset_s(&set);
     for from in lattice(40) {
-        for (ear, hrir) in ears(&set.pair(from)).into_iter().enumerate() {
+        for (ear, hrir) in set.pair(from).iter().enumerate() {
             let exact = transfer(from, ear);
             for (bin, found) in spectrum(hrir, RATE_HZ.into()).iter().enumerate() {
                 let turn = TAU * bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64 * offset;
@@ -229,8 +224,7 @@ fn another_rate_changes_nothing_below_half_of_it() {
         assert_eq!(resampled.rate_hz(), rate_hz);
         for from in lattice(12) {
             let (before, after) = (set.pair(from), resampled.pair(from));
-            let both = ears(&before).into_iter().zip(ears(&after));
-            for (before, after) in both {
+            for (before, after) in before.iter().zip(&after) {
                 let (before, after) = (
                     spectrum(before, RATE_HZ.into()),
                     spectrum(after, rate_hz.into()),
@@ -249,7 +243,7 @@ fn another_rate_changes_nothing_below_half_of_it() {
 #[test]
 fn a_pair_can_be_filled_again() {
     let set = set(lattice(20));
-    let mut pair = HrirPair::default();
+    let mut pair = <[Hrir; 2]>::default();
     for from in lattice(7) {
         set.pair_into(from * 3.0, &mut pair);
         assert!(pair == set.pair(from * 3.0));
@@ -275,12 +269,12 @@ fn delays_and_silent_ears_are_kept() {
         one(DVec3::NEG_Y, [click(0.5), click(0.5)]),
     ];
     let set = HrirSet::new(48_000, all).expect("good measurements");
-    let pair = set.pair(DVec3::NEG_Y);
-    assert!((pair.right.delay_s - pair.left.delay_s - 0.25e-3).abs() < 1e-12);
-    let pair = set.pair(DVec3::Y);
-    assert!(pair.right.samples.iter().all(|sample| *sample == 0.0));
-    assert!((pair.left.samples.iter().sum::<f32>() - 1.0).abs() < 1e-3);
-    assert!(pair.right.delay_s.is_finite());
+    let [left, right] = set.pair(DVec3::NEG_Y);
+    assert!((right.delay_s - left.delay_s - 0.25e-3).abs() < 1e-12);
+    let [left, right] = set.pair(DVec3::Y);
+    assert!(right.samples.iter().all(|sample| *sample == 0.0));
+    assert!((left.samples.iter().sum::<f32>() - 1.0).abs() < 1e-3);
+    assert!(right.delay_s.is_finite());
 }
 
 /// Protects the refusal of measurements that are not a valid set.

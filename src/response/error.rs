@@ -88,7 +88,7 @@ pub enum ResponseError {
         /// Samples of both channels.
         stereo: usize,
     },
-    /// A [`Heard`](crate::auralisation::Heard) made for another player: its delays are in that player's samples.
+    /// An `auralisation::Heard` made for another player: its delays are in that player's samples.
     #[error(
         "the heard sound was made for {heard_hz} Hz and {heard_s} s, but is played at {played_hz} Hz for {played_s} s: make both with one Spec"
     )]

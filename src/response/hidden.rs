@@ -110,12 +110,12 @@ impl Hidden {
 }
 
 /// The direct ways of the sources of a scene in its current state: straight, or around and through what is in between.
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) struct DirectWays {
     early: EarlyPaths,
 }
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 impl DirectWays {
     /// # Errors
     /// The errors of [`Scene::validate`].

@@ -19,7 +19,7 @@ const FIRST_SIDE: f64 = -0.75 * PI;
 /// The key of the surfaces belongs to the first path over them that is not diffracted. A diffracted path has this key
 /// only if it is the only one over its surfaces.
 pub(crate) fn keys(paths: &[&HeardPath], bits: impl Fn(u32) -> u64) -> Vec<u64> {
-    let mut keys: Vec<u64> = paths.iter().map(|path| path.key(&bits)).collect();
+    let mut keys: Vec<u64> = paths.iter().map(|path| key(path, &bits)).collect();
     let mut diffracted: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (index, path) in paths.iter().enumerate() {
         if path.kind == PathKind::Diffracted {
@@ -41,6 +41,16 @@ pub(crate) fn keys(paths: &[&HeardPath], bits: impl Fn(u32) -> u64) -> Vec<u64> 
         *key = first_free(*key, &mut given);
     }
     keys
+}
+
+/// A number that stays the same over time for a path over the same surfaces and walls: a hash of them. Several paths may
+/// have it.
+fn key(path: &HeardPath, bits: impl Fn(u32) -> u64) -> u64 {
+    let mirrors = path.path.surfaces.iter().zip(&path.path.walls);
+    mirrors.fold(0, |key, (surface, wall)| {
+        let wall = wall.map_or(0, |wall| u64::from(wall) + 1);
+        hash(key ^ hash(bits(*surface) << 8 | wall))
+    })
 }
 
 /// The key, or the first of its hashes that is not given to another path.

@@ -49,9 +49,9 @@ mod error;
 mod exact_paths;
 mod figures;
 mod from_arrivals;
-mod heard_source;
 mod hidden;
 mod impulse_response;
+#[cfg(any(feature = "audio", feature = "simulator"))]
 mod keys;
 mod late;
 mod least_level;
@@ -78,15 +78,18 @@ pub(crate) use error::check_taps;
 pub use figures::Precision;
 pub use figures::{BandFigures, Figures};
 pub(crate) use figures::{CommonErrors, Differences, Record, uncertain_energy};
-pub use heard_source::{HeardKind, HeardSource};
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) use hidden::DirectWays;
 #[doc(hidden)]
 pub use hidden::diffracted;
+#[cfg(feature = "audio")]
+pub(crate) use impulse_response::tap_filter_gain;
 pub use impulse_response::{
     AmbisonicOrder, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
 };
-pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
+#[cfg(any(feature = "audio", feature = "simulator"))]
+pub(crate) use impulse_response::{Encoding, amplitude};
+#[cfg(any(feature = "audio", feature = "simulator"))]
 pub(crate) use keys::keys;
 pub use notes::Note;
 #[cfg(feature = "sofa")]

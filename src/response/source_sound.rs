@@ -5,7 +5,6 @@ use super::Response;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::exact_paths::SpecularPath;
 use crate::response::{Arrival, Echogram, Figures, Tap};
-use crate::sampling::hash;
 use crate::scene::{Listener, Material, Pair, Scene};
 use crate::shader::common_scattering;
 use crate::tracer::resampled_band_groups;
@@ -200,16 +199,6 @@ impl HeardPath {
     /// Whether this path is the direct sound.
     pub fn is_direct(&self) -> bool {
         self.kind == PathKind::Direct
-    }
-
-    /// A number that stays the same over time for a path over the same surfaces and walls: a hash of them. `bits` is a
-    /// number for each surface. Several paths may have it: see `keys.rs`.
-    pub(super) fn key(&self, bits: impl Fn(u32) -> u64) -> u64 {
-        let mirrors = self.path.surfaces.iter().zip(&self.path.walls);
-        mirrors.fold(0, |key, (surface, wall)| {
-            let wall = wall.map_or(0, |wall| u64::from(wall) + 1);
-            hash(key ^ hash(bits(*surface) << 8 | wall))
-        })
     }
 
     /// The path as a tap of an impulse response.

@@ -138,6 +138,7 @@ impl Source {
     }
 
     /// Turns the source's own axes (−z ahead, y up) by a unit quaternion, with its roll.
+    #[cfg(any(test, feature = "simulator"))]
     pub(crate) fn orient(&mut self, turn: DQuat) {
         let [ahead, up_axis] = [turn * DVec3::NEG_Z, turn * DVec3::Y];
         let is_vertical = ahead.x.hypot(ahead.z) < f64::from(f32::EPSILON);

@@ -3,7 +3,7 @@
 use super::SimulatorError;
 use super::fit::{CHUNK, EARS, Fit, Frame};
 use crate::bands::{BANDS_HZ, Bands};
-use crate::hrtf::{Hrir, HrirPair, HrirSet, IndexedFacets};
+use crate::hrtf::{Hrir, HrirSet, IndexedFacets};
 use crate::response::{AmbisonicOrder, Encoding, ListenerAxes};
 use crate::sampling::lattice;
 use glam::{DVec2, DVec3, Quat};
@@ -252,13 +252,13 @@ impl Measured {
 
 /// Both ears of a set of responses in these directions.
 fn ears(set: &HrirSet, directions: &[DVec3]) -> Vec<[Ear; EARS]> {
-    let mut pair = HrirPair::default();
+    let mut pair = <[Hrir; 2]>::default();
     let rate_hz = f64::from(set.rate_hz());
     let mut ears: Vec<[Ear; EARS]> = directions
         .iter()
         .map(|from| {
             set.pair_into(*from, &mut pair);
-            [&pair.left, &pair.right].map(|hrir| ear(hrir, rate_hz))
+            pair.each_ref().map(|hrir| ear(hrir, rate_hz))
         })
         .collect();
     // All responses of a set begin at the same sample, and on average sound passes the centre at 0 s.

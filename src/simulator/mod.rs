@@ -86,6 +86,12 @@ use world::World;
 /// Priorities above 0, up to this one.
 const GREATEST_PRIORITY: f32 = 1e6;
 
+/// Protects games that share a simulator between threads.
+const _: () = {
+    const fn may_be_shared<T: Send + Sync>() {}
+    may_be_shared::<Simulator>();
+};
+
 /// The id of a source. An id of a removed source is never that of another one of the same simulator. Other simulators
 /// may have the same ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -16,7 +16,7 @@
 use super::encoder::{MOST_CHANNELS, Planes};
 use super::fit::{BANDS, CHUNK, EARS, Frame, poles};
 use super::taps::{Heard, Hearing, Kind, MOST_BETWEEN_EARS, Tap, Way};
-use crate::auralisation::MOST_DOPPLER;
+use crate::arrival::MOST_DOPPLER;
 use glam::Vec4;
 
 /// Greatest amplitude of a sample, far above every sound. Greater ones would overflow in filters.

@@ -68,14 +68,11 @@ impl Milliseconds {
 ///
 /// ```
 /// use echomarch::Panning;
-/// use echomarch::audio::PanningLaw;
 ///
 /// let mut panning = Panning::default();
 /// assert_eq!(panning.pan(), 0.0); // nothing arrived
 /// (panning.left, panning.right) = (1.0, 3.0);
 /// assert_eq!(panning.pan(), 0.5);
-/// let gains = PanningLaw::Linear.gains(panning.pan() as f32);
-/// assert_eq!((gains.left, gains.right), (0.25, 0.75));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]

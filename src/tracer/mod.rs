@@ -50,8 +50,6 @@ pub(crate) use arrivals::{
     WavesToFollow, resampled_band_groups,
 };
 pub use error::TraceError;
-#[cfg(not(target_arch = "wasm32"))]
-pub use field_trial::answer_field_trial;
 pub use field_trial::{FieldTrial, TrialCommand};
 use frame::timed;
 pub use frame::{Counts, Frame, Milliseconds, Panning};
@@ -64,7 +62,7 @@ use gpu_scene::{OWN_UNIFORM_VECTORS, check_uniforms};
 pub use heard_paths::{HeardPaths, HeardSearch, MostKept};
 use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
 #[doc(hidden)]
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) use programs::arrivals_key;
 pub use programs::{Pass, shader_text};
 use programs::{
@@ -76,7 +74,7 @@ pub use reload::Opening;
 pub use reload::Reloading;
 #[doc(hidden)]
 pub use settings::MARCHES_PER_PASS;
-pub use settings::{Algorithm, HybridOptions, MarchOptions, Profile, Settings, ThesisOptions};
+pub use settings::{Algorithm, Profile, Settings, ThesisOptions};
 use start_order::Starts;
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -127,7 +127,7 @@ impl PreparedFrame {
         program.set_i32("uFieldSteps", self.budget.field_steps as i32);
         program.set_i32("uCopySteps", self.budget.copy_steps as i32);
         match &settings.algorithm {
-            Algorithm::Hybrid(_) | Algorithm::March(_) => (),
+            Algorithm::Hybrid | Algorithm::March => (),
             Algorithm::Thesis(thesis) => {
                 program.set_f32("uMinDistance", thesis.min_distance);
                 program.set_f32("uStartOffset", thesis.start_offset);

@@ -9,7 +9,7 @@ use crate::shader::{
     self, AlgorithmText, ArrivalsText, Budget, CompiledScene, LoopsAsked, MarchText, Materials,
     OriginRebasing, StartOrderText, Structure, StructureKey,
 };
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -129,8 +129,8 @@ impl Programs {
 pub(super) fn march_options(settings: &Settings) -> MarchText {
     MarchText {
         algorithm: match &settings.algorithm {
-            Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
-            Algorithm::March(_) => AlgorithmText::March,
+            Algorithm::Hybrid => AlgorithmText::Hybrid,
+            Algorithm::March => AlgorithmText::March,
             Algorithm::Thesis(_) => AlgorithmText::Thesis,
         },
         count_evaluations: settings.count_evaluations,
@@ -148,7 +148,7 @@ pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
         algorithm: march_options(settings).algorithm,
         thesis_steps: match &settings.algorithm {
             Algorithm::Thesis(thesis) => thesis.step_limit(settings.max_distance),
-            Algorithm::March(_) | Algorithm::Hybrid(_) => 0,
+            Algorithm::March | Algorithm::Hybrid => 0,
         },
         iterations_per_pass: settings.iterations_per_pass,
         detectors: 0,
@@ -162,7 +162,7 @@ pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
 
 /// A number that is equal for scenes whose arrivals are traced by the same programs with these settings. Different
 /// scenes have different numbers, except by a chance of 2⁻⁶⁴.
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "simulator")]
 pub(crate) fn arrivals_key(scene: &Scene, settings: &Settings, transmits: bool) -> u64 {
     /// The records and outputs do not depend on the scene.
     const SOME: u32 = 4;

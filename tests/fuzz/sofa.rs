@@ -65,8 +65,7 @@ pub fn one(data: &[u8]) {
             }
         }
         Ok(set) => {
-            let pair = set.pair(DVec3::new(0.3, -0.8, 0.1));
-            for ear in [pair.left, pair.right] {
+            for ear in set.pair(DVec3::new(0.3, -0.8, 0.1)) {
                 assert!(ear.delay_s.is_finite());
                 assert!(ear.samples.iter().all(|sample| sample.is_finite()));
             }

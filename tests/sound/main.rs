@@ -3,17 +3,17 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 mod live_audio;
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 mod live_audio_server;
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 mod live_player;
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 mod live_sources;
-#[cfg(feature = "audio")]
+#[cfg(feature = "simulator")]
 mod simulator;
-#[cfg(feature = "audio")]
+#[cfg(feature = "live")]
 mod sound_server;
 
 mod measures;

@@ -4,7 +4,8 @@ use super::common::flights::{assert_no_wave_leaves, compare_paths};
 use super::common::{Random, tracer};
 use echomarch::geometry::ExactScene;
 use echomarch::glam::{DVec3, Vec3};
-use echomarch::scene::shape::{AirBox, Cuboid, Room, Rooms, RoomsError};
+use echomarch::scene::mesh::MeshError;
+use echomarch::scene::shape::{AirBox, Cuboid, Room, Rooms};
 use echomarch::{Listener, Profile, Scene, Settings, Shape, Source, Surface};
 
 /// The profiles that intersect lines with the walls.
@@ -186,9 +187,18 @@ fn volume_and_area_are_those_of_the_union() {
 fn impossible_rooms_are_refused() {
     let refused = |boxes: Vec<AirBox>| Rooms::new(boxes).expect_err("refused");
     let cube = |x: f32, y: f32| air("", [x, y, 0.0], [x + 1.0, y + 1.0, 1.0]);
-    assert_eq!(refused(vec![]), RoomsError::BadCount { count: 0 });
+    assert_eq!(
+        refused(vec![]),
+        MeshError::BadBoxCount { count: 0, most: 42 }
+    );
     let row = (0..43).map(|index| cube(index as f32, 0.0));
-    assert_eq!(refused(row.collect()), RoomsError::BadCount { count: 43 });
+    assert_eq!(
+        refused(row.collect()),
+        MeshError::BadBoxCount {
+            count: 43,
+            most: 42
+        }
+    );
     let flat = refused(vec![air("flat", [0.0; 3], [1.0, 0.0, 1.0])]);
     assert!(
         flat.to_string().contains("the box \"flat\" of Rooms"),
@@ -206,6 +216,6 @@ fn impossible_rooms_are_refused() {
     assert!(twice.to_string().contains("\"hall\""), "{twice}");
     let place = DVec3::new(1.0, 1.0, 0.0);
     let pinched = refused(vec![cube(0.0, 0.0), cube(1.0, 1.0)]);
-    assert_eq!(pinched, RoomsError::Pinched { place });
+    assert_eq!(pinched, MeshError::Pinched { place });
     assert!(Rooms::new([cube(0.0, 0.0), cube(1.0, 1.0), cube(1.0, 0.0)]).is_ok());
 }

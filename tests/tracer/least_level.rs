@@ -1,8 +1,9 @@
 //! The least level of a source in responses.
 
 use crate::common::tracer;
+use echomarch::auralisation::HeardSource;
 use echomarch::bands::{BAND_COUNT, Bands};
-use echomarch::response::{HeardSource, PathKind, Response, ResponseSettings};
+use echomarch::response::{PathKind, Response, ResponseSettings};
 use echomarch::{Scene, Settings};
 
 /// The open field, with or without a high wall between source and listener, 7.6 m apart.

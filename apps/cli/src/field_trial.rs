@@ -1,7 +1,7 @@
 //! `echomarch field-trial`: the child process in which users' fields are tried.
 
 use super::options::Common;
-use echomarch::tracer::{FieldTrial, TrialCommand, answer_field_trial};
+use echomarch::tracer::{FieldTrial, TrialCommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -23,5 +23,5 @@ pub fn choose(common: &Common) {
 
 /// Runs the trial and sends the result to the parent process.
 pub fn answer(common: &Common) -> ExitCode {
-    answer_field_trial(&common.context_options())
+    FieldTrial::answer(&common.context_options())
 }

@@ -121,7 +121,7 @@ impl EarsOfPage {
     /// Three numbers for each source in the last call of `hear`: its strength G in decibels (NaN for silence), the
     /// number of exact paths, and 1 if the direct sound is among them.
     pub fn sources(&self) -> Vec<f64> {
-        let numbers = |source: &echomarch::response::HeardSource| {
+        let numbers = |source: &echomarch::auralisation::HeardSource| {
             let level = source.level_db.unwrap_or(f64::NAN);
             let direct = if source.is_direct { 1.0 } else { 0.0 };
             [level, source.paths as f64, direct]

@@ -5,8 +5,8 @@ use super::hearing::{EarsStatus, Hearing};
 use super::mix::HeardMessage;
 use super::parts::Parts;
 use echomarch::Error;
+use echomarch::auralisation::HeardSource;
 use echomarch::gl::Context;
-use echomarch::response::HeardSource;
 use echomarch::scene::Scene;
 use echomarch::tracer::Settings;
 

@@ -8,10 +8,11 @@ use super::scene_gain;
 use super::wave_budget::{
     LEAST_LATE_WAVES, LEAST_WAVES, LONGEST_LOOK_S, MOST_WAVES, TraceTime, early_waves, late_waves,
 };
+use echomarch::auralisation::HeardSource;
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
 use echomarch::internals::shader::is_marched;
-use echomarch::response::{HeardSource, ListenerAxes, Response, ResponseSettings};
+use echomarch::response::{ListenerAxes, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, Tracer};
 use echomarch::{Error, bands};

@@ -2,7 +2,8 @@
 //! that differences of level are heard.
 
 use echomarch::Error;
-use echomarch::response::{HeardSource, PathKind, Response, ResponseSettings};
+use echomarch::auralisation::HeardSource;
+use echomarch::response::{PathKind, Response, ResponseSettings};
 use echomarch::scene::{Pair, Scene};
 use echomarch::tracer::Tracer;
 use glam::Vec3;

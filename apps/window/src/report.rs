@@ -2,9 +2,9 @@
 
 use super::latency::Parts;
 use super::sound::SoundStatus;
+use echomarch::auralisation::HeardSource;
 use echomarch::internals::fields_cost::FieldsCost;
 use echomarch::internals::sampling::{median, quantiles};
-use echomarch::response::HeardSource;
 use echomarch::tracer::{Counts, Frame, Profile};
 use echomarch_walk::EarsStatus;
 use serde::Serialize;

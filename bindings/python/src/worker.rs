@@ -238,7 +238,7 @@ pub fn answer_field_trial(api: &str, gpu: Option<usize>) -> PyResult<bool> {
     let api: Api = api.parse().map_err(errors::from)?;
     let mut options = ContextOptions::new(api);
     options.gpu = gpu;
-    Ok(echomarch::tracer::answer_field_trial(&options) == ExitCode::SUCCESS)
+    Ok(FieldTrial::answer(&options) == ExitCode::SUCCESS)
 }
 
 /// The name of the renderer. Opens a context if there is none.

@@ -2,6 +2,7 @@
 
 use crate::geometry::closed_form::Placed;
 use crate::geometry::exact::*;
+use crate::geometry::sequence_hash;
 use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
 use crate::scene::{Listener, Node, Scene, Source, Surface};
 use glam::{DVec3, Quat, Vec3};

@@ -39,8 +39,7 @@ fn measured_directions_have_their_responses() {
         (DVec3::Z, 24.0, 24.0),
         (DVec3::new(0.0, 1.0, 1.0), 16.0, 32.0),
     ] {
-        let pair = set.pair(from);
-        for (hrir, place) in [(&pair.left, left), (&pair.right, right)] {
+        for (hrir, place) in set.pair(from).iter().zip([left, right]) {
             let (level, at) = peak(hrir);
             // The mean delay over all directions is 24 samples, and `at` is relative to this mean.
             assert!((at - (place - 24.0)).abs() < 0.3, "{from}: {at} {place}");
@@ -54,8 +53,8 @@ fn measured_directions_have_their_responses() {
 #[test]
 fn delays_move_the_responses() {
     let itd = |file: SofaFile| {
-        let pair = read(&file).expect("a good file").pair(DVec3::X);
-        peak(&pair.right).1 - peak(&pair.left).1
+        let [left, right] = read(&file).expect("a good file").pair(DVec3::X);
+        peak(&right).1 - peak(&left).1
     };
     let file = SofaFile::simple();
     assert!(itd(file.clone()).abs() < 1e-6);
@@ -72,8 +71,8 @@ fn delays_move_the_responses() {
 fn geometry_is_that_of_the_file() {
     let file = SofaFile::simple();
     let louder_left = |file: &SofaFile, from: DVec3| {
-        let pair = read(file).expect("a good file").pair(from);
-        peak(&pair.left).0 > peak(&pair.right).0 + 0.2
+        let [left, right] = read(file).expect("a good file").pair(from);
+        peak(&left).0 > peak(&right).0 + 0.2
     };
     assert!(louder_left(&file, DVec3::Y));
     let vector = |numbers: [f64; 3]| Variable::new(&numbers, &[1, 3]).with("Type", "cartesian");
@@ -122,7 +121,7 @@ fn the_farthest_distance_counts() {
     let set = read(&SofaFile::new(48_000.0, &measured).with("SourcePosition", positions));
     let set = set.expect("a good file");
     assert_eq!(set.directions().len(), 1);
-    assert!((peak(&set.pair(DVec3::X).left).0 - 0.9).abs() < 1e-3);
+    assert!((peak(&set.pair(DVec3::X)[0]).0 - 0.9).abs() < 1e-3);
 }
 
 /// Protects from files of another convention and from invalid numbers: each is rejected with a message that states the
@@ -201,8 +200,7 @@ fn files_of_other_hdf5_versions_are_read_or_named() {
             "{name}"
         );
         for (from, level) in [(DVec3::X, 0.25), (DVec3::Y, 0.5), (DVec3::Z, 0.75)] {
-            let pair = set.pair(from);
-            let (left, right) = (peak(&pair.left), peak(&pair.right));
+            let [left, right] = set.pair(from).map(|hrir| peak(&hrir));
             assert!(
                 (left.0 - level).abs() < 1e-3 && (right.0 - level).abs() < 1e-3,
                 "{name}"

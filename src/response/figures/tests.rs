@@ -3,6 +3,8 @@
 use super::uncertainty::student_975;
 use super::*;
 use crate::bands::Bands;
+use crate::geometry::ShoeboxEnergies;
+use crate::response::ResponseError;
 use crate::response::tests::mean;
 use crate::sampling::{hash, unit_interval};
 use glam::DVec3;

@@ -3,7 +3,7 @@
 use super::filters::{Crossing, Gauss, Spectra, add_from, impulse, samples_of};
 use super::{Sound, amplitude};
 use crate::bands::BAND_COUNT;
-use crate::hrtf::{Facets, Hrir, HrirPair, HrirSet};
+use crate::hrtf::{Facets, Hrir, HrirSet};
 use crate::response::Tap;
 use crate::sampling::lattice;
 use glam::DVec3;
@@ -55,8 +55,9 @@ impl Placed {
         Placed { first, samples }
     }
 
-    fn pair(pair: &HrirPair, place: f64, rate_hz: f64) -> [Placed; EARS] {
-        [&pair.left, &pair.right].map(|hrir| Placed::new(hrir, place, rate_hz))
+    fn pair(pair: &[Hrir; EARS], place: f64, rate_hz: f64) -> [Placed; EARS] {
+        pair.each_ref()
+            .map(|hrir| Placed::new(hrir, place, rate_hz))
     }
 
     /// Adds the response; samples before the first or after the last are dropped.
@@ -68,7 +69,7 @@ impl Placed {
 }
 
 fn add_taps(spectra: &mut Spectra, sound: &Sound, hrirs: &HrirSet) {
-    let mut pair = HrirPair::default();
+    let mut pair = <[Hrir; EARS]>::default();
     let mut place = |tap: &Tap| {
         hrirs.pair_into(sound.axes.to_listener(-tap.direction), &mut pair);
         Placed::pair(&pair, tap.seconds * sound.rate_hz, sound.rate_hz)
@@ -87,7 +88,7 @@ fn add_taps(spectra: &mut Spectra, sound: &Sound, hrirs: &HrirSet) {
 }
 
 /// The responses as filters of a spectrum: samples before time 0 are at the end.
-fn filters(spectra: &Spectra, pair: &HrirPair, sound: &Sound) -> Vec<Vec<f64>> {
+fn filters(spectra: &Spectra, pair: &[Hrir; EARS], sound: &Sound) -> Vec<Vec<f64>> {
     let filter = |placed: Placed| {
         let mut filter = spectra.silence();
         let length = filter.len() as i64;

@@ -229,6 +229,7 @@ impl ImpulseResponse {
 }
 
 /// The gain of a band's filter for taps at a frequency in hertz: see [`ImpulseResponse`].
+#[cfg(feature = "audio")]
 pub(crate) fn tap_filter_gain(band: usize, frequency_hz: f64) -> f64 {
     Crossing::Amplitude.gain(band, frequency_hz)
 }
@@ -293,6 +294,7 @@ pub struct ListenerAxes {
 
 impl ListenerAxes {
     /// The axes for vectors that are in listener axes already: see [`ListenerAxes::to_listener`].
+    #[cfg(feature = "simulator")]
     pub(crate) const OWN: ListenerAxes = ListenerAxes {
         forward: DVec3::X,
         right: DVec3::NEG_Y,

@@ -1,8 +1,8 @@
-//! Errors of triangle meshes. Each message is one sentence with the number and the first place of a defect.
+//! Errors of triangle meshes and of rooms, whose walls are a mesh. Each message is one sentence with the number and the first place of a defect.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-/// The reason why a triangle mesh cannot be used.
+/// The reason why a triangle mesh, or [`Rooms`](crate::scene::shape::Rooms), cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -73,5 +73,42 @@ pub enum MeshError {
     BadScale {
         /// The stated scale.
         scale: f32,
+    },
+    /// The number of boxes of rooms is 0 or too large.
+    #[error("Rooms have 1 to {most} boxes, not {count}")]
+    BadBoxCount {
+        /// Number of boxes.
+        count: usize,
+        /// Maximum number of boxes.
+        most: usize,
+    },
+    /// A corner is not finite or exceeds 1e9 m, or `from` is not less than `to` along every axis.
+    #[error(
+        "the box {name:?} of Rooms must have finite corners of at most 1e9 m, with `from` less than `to` along each axis, not from {from} to {to}"
+    )]
+    BadBox {
+        /// Name of the box.
+        name: String,
+        /// Its first corner in metres.
+        from: Vec3,
+        /// Its second corner in metres.
+        to: Vec3,
+    },
+    /// Two boxes have one name, or the name of a box contains `/`.
+    #[error(
+        "the name {name:?} of a box of Rooms must be different from all others, and contain no `/`"
+    )]
+    BadBoxName {
+        /// The name.
+        name: String,
+    },
+    /// Parts of the air of rooms, or of the solid, touch only along an edge or in a corner.
+    #[error(
+        "Rooms touch only along an edge or in a corner at ({}, {}, {}): let them overlap, or leave a wall between them",
+        place.x, place.y, place.z
+    )]
+    Pinched {
+        /// A corner at that place in metres.
+        place: DVec3,
     },
 }

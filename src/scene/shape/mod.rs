@@ -82,7 +82,7 @@ pub(crate) use properties::SurfaceKind;
 pub use properties::{Exactness, Properties};
 pub use quadric::GeneralQuadric;
 pub use room::Room;
-pub use rooms::{AirBox, Rooms, RoomsError};
+pub use rooms::{AirBox, Rooms};
 pub use rounded_box::RoundedBox;
 pub use sampled_field::SampledField;
 pub use sphere::Sphere;

@@ -30,53 +30,6 @@ pub struct AirBox {
     pub to: Vec3,
 }
 
-/// The reason why boxes of air cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RoomsError {
-    /// The number of boxes is 0 or too large.
-    #[error("Rooms have 1 to {MOST_BOXES} boxes, not {count}")]
-    BadCount {
-        /// Number of boxes.
-        count: usize,
-    },
-    /// A corner is not finite or exceeds 1e9 m, or `from` is not less than `to` along every axis.
-    #[error(
-        "the box {name:?} of Rooms must have finite corners of at most 1e9 m, with `from` less than `to` along each axis, not from {from} to {to}"
-    )]
-    BadCorners {
-        /// Name of the box.
-        name: String,
-        /// Its first corner in metres.
-        from: Vec3,
-        /// Its second corner in metres.
-        to: Vec3,
-    },
-    /// Two boxes have one name, or the name of a box contains `/`.
-    #[error(
-        "the name {name:?} of a box of Rooms must be different from all others, and contain no `/`"
-    )]
-    BadName {
-        /// The name.
-        name: String,
-    },
-    /// Parts of the air, or of the solid, touch only along an edge or in a corner.
-    #[error(
-        "Rooms touch only along an edge or in a corner at ({}, {}, {}): let them overlap, or leave a wall between them",
-        place.x, place.y, place.z
-    )]
-    Pinched {
-        /// A corner at that place in metres.
-        place: DVec3,
-    },
-    /// The boxes have too many faces.
-    #[error("Rooms have more than {MOST_TRIANGLES} triangles")]
-    TooManyFaces,
-    /// The faces cannot be traced.
-    #[error("Rooms: {0}")]
-    Mesh(#[from] MeshError),
-}
-
 /// The union of boxes of air, such as rooms with doorways, in a solid without an end. The boxes have the axes of the
 /// surface. Boxes that overlap, or share a part of a face, are one body of air.
 ///
@@ -100,7 +53,7 @@ pub enum RoomsError {
 /// let surface = Surface::new(rooms)
 ///     .with_material("plaster")
 ///     .with_face_material("corridor/floor", "marble");
-/// # Ok::<(), echomarch::scene::shape::RoomsError>(())
+/// # Ok::<(), echomarch::scene::mesh::MeshError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Rooms {
@@ -122,18 +75,19 @@ impl Rooms {
     /// The union of these boxes.
     ///
     /// # Errors
-    /// [`RoomsError`]: the box, and the problem with it.
-    pub fn new(boxes: impl IntoIterator<Item = AirBox>) -> Result<Rooms, RoomsError> {
+    /// [`MeshError`]: the box, and the problem with it.
+    pub fn new(boxes: impl IntoIterator<Item = AirBox>) -> Result<Rooms, MeshError> {
         let boxes: Vec<AirBox> = boxes.into_iter().collect();
         check(&boxes)?;
         let (corners, touch) = corners_of(&boxes);
         let cells = AirCells::of(&corners, touch);
         if let Some(place) = cells.pinched_corner() {
-            return Err(RoomsError::Pinched { place });
+            return Err(MeshError::Pinched { place });
         }
         let mut faces = cells.faces();
         if faces.triangles.len() > MOST_TRIANGLES {
-            return Err(RoomsError::TooManyFaces);
+            let (what, most) = ("triangles", MOST_TRIANGLES);
+            return Err(MeshError::TooMany { what, most });
         }
         let walls = |of| Room::WALL_NAMES.map(|wall| format!("{}/{wall}", name_of(&boxes, of)));
         faces.groups = (0..boxes.len()).flat_map(walls).collect();
@@ -225,17 +179,20 @@ fn corners_of(boxes: &[AirBox]) -> (Vec<AirCorners>, f64) {
     (corners.collect(), touch.into())
 }
 
-fn check(boxes: &[AirBox]) -> Result<(), RoomsError> {
+fn check(boxes: &[AirBox]) -> Result<(), MeshError> {
     let count = boxes.len();
     if !(1..=MOST_BOXES).contains(&count) {
-        return Err(RoomsError::BadCount { count });
+        return Err(MeshError::BadBoxCount {
+            count,
+            most: MOST_BOXES,
+        });
     }
     for (index, of) in boxes.iter().enumerate() {
         let name = name_of(boxes, index);
         check_corners(&name, of.from, of.to)?;
         let mut before = (0..index).map(|before| name_of(boxes, before));
         if name.contains('/') || before.any(|before| before == name) {
-            return Err(RoomsError::BadName { name });
+            return Err(MeshError::BadBoxName { name });
         }
     }
     let (corners, touch) = corners_of(boxes);
@@ -243,17 +200,17 @@ fn check(boxes: &[AirBox]) -> Result<(), RoomsError> {
         if (of.to - of.from).min_element() <= 2.0 * touch {
             let AirBox { from, to, .. } = boxes[index];
             let name = name_of(boxes, index);
-            return Err(RoomsError::BadCorners { name, from, to });
+            return Err(MeshError::BadBox { name, from, to });
         }
     }
     Ok(())
 }
 
-fn check_corners(name: &str, from: Vec3, to: Vec3) -> Result<(), RoomsError> {
+fn check_corners(name: &str, from: Vec3, to: Vec3) -> Result<(), MeshError> {
     let is_sound = |corner: Vec3| corner.abs().cmple(Vec3::splat(LARGEST)).all();
     match is_sound(from) && is_sound(to) && from.cmplt(to).all() {
         true => Ok(()),
-        false => Err(RoomsError::BadCorners {
+        false => Err(MeshError::BadBox {
             name: name.to_owned(),
             from,
             to,
@@ -283,9 +240,9 @@ struct Corners {
 }
 
 impl TryFrom<Corners> for BoxFile {
-    type Error = RoomsError;
+    type Error = MeshError;
 
-    fn try_from(file: Corners) -> Result<BoxFile, RoomsError> {
+    fn try_from(file: Corners) -> Result<BoxFile, MeshError> {
         let (Name(name), Point(from), Point(to)) = (file.name, file.from, file.to);
         check_corners(&name, from, to)?;
         Ok(BoxFile(AirBox { name, from, to }))

@@ -1,7 +1,7 @@
 //! The child process: compiles and tries the requested texts, within limits.
 
-use super::STACK;
 use super::protocol::{self, Answer, Request, RequestedField, TriedField};
+use super::{FieldTrial, STACK};
 #[cfg(target_os = "linux")]
 use super::{LONGEST, MOST_MEMORY};
 use crate::error::Error;
@@ -21,29 +21,31 @@ const LONGEST_REQUEST: u64 = 1 << 26;
 /// then.
 const TRIED: [u32; 2] = [8, 1];
 
-/// Answers a request that another process of this program makes through [`FieldTrial`](super::FieldTrial). Reads the
-/// texts to try from standard input, tries them on a renderer, and writes the results to standard output. Call this
-/// function at the beginning of a process that does nothing else, because it limits the time and memory of the process.
-pub fn answer_field_trial(options: &ContextOptions) -> ExitCode {
-    limit_process();
-    let mut text = String::new();
-    let read = std::io::stdin()
-        .take(LONGEST_REQUEST)
-        .read_to_string(&mut text);
-    let Some(request) = read.ok().and_then(|_| ron::from_str::<Request>(&text).ok()) else {
-        return ExitCode::FAILURE;
-    };
-    let options = *options;
-    let work = move || {
-        let (answer, values) = answer(&options, &request);
-        let bytes = protocol::written(&answer, &values).ok()?;
-        let mut out = std::io::stdout();
-        out.write_all(&bytes).and_then(|()| out.flush()).ok()
-    };
-    let thread = std::thread::Builder::new().stack_size(STACK).spawn(work);
-    match thread.map(|thread| thread.join()) {
-        Ok(Ok(Some(()))) => ExitCode::SUCCESS,
-        _ => ExitCode::FAILURE,
+impl FieldTrial {
+    /// Answers a request that another process of this program makes through [`FieldTrial::InChild`]. Reads the texts to
+    /// try from standard input, tries them on a renderer, and writes the results to standard output. Call this function
+    /// at the beginning of a process that does nothing else, because it limits the time and memory of the process.
+    pub fn answer(options: &ContextOptions) -> ExitCode {
+        limit_process();
+        let mut text = String::new();
+        let read = std::io::stdin()
+            .take(LONGEST_REQUEST)
+            .read_to_string(&mut text);
+        let Some(request) = read.ok().and_then(|_| ron::from_str::<Request>(&text).ok()) else {
+            return ExitCode::FAILURE;
+        };
+        let options = *options;
+        let work = move || {
+            let (answer, values) = answer(&options, &request);
+            let bytes = protocol::written(&answer, &values).ok()?;
+            let mut out = std::io::stdout();
+            out.write_all(&bytes).and_then(|()| out.flush()).ok()
+        };
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn(work);
+        match thread.map(|thread| thread.join()) {
+            Ok(Ok(Some(()))) => ExitCode::SUCCESS,
+            _ => ExitCode::FAILURE,
+        }
     }
 }
 

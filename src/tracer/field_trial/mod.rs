@@ -16,8 +16,6 @@ mod parent;
 #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
 mod protocol;
 
-#[cfg(not(target_arch = "wasm32"))]
-pub use child::answer_field_trial;
 pub(crate) use parent::{Trial, has_passed};
 
 use crate::error::Error;
@@ -80,12 +78,12 @@ pub enum FieldTrial {
     InChild(TrialCommand),
 }
 
-/// A command whose process calls [`answer_field_trial`].
+/// A command whose process calls [`FieldTrial::answer`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TrialCommand {
     /// The program: usually the running program, see [`TrialCommand::this_program`].
     pub program: PathBuf,
-    /// The arguments. With these arguments, the program must call [`answer_field_trial`] and select the renderer.
+    /// The arguments. With these arguments, the program must call [`FieldTrial::answer`] and select the renderer.
     pub arguments: Vec<OsString>,
 }
 

@@ -23,22 +23,12 @@ pub enum Profile {
 #[serde(tag = "profile", rename_all = "lowercase")]
 pub enum Algorithm {
     /// Algorithm of [`Profile::Hybrid`].
-    Hybrid(HybridOptions),
+    Hybrid,
     /// Algorithm of [`Profile::March`].
-    March(MarchOptions),
+    March,
     /// Algorithm of [`Profile::Thesis`].
     Thesis(ThesisOptions),
 }
-
-/// The options of `hybrid`: none yet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct HybridOptions {}
-
-/// The options of `march`: none yet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct MarchOptions {}
 
 /// Options of `thesis`: its constants, in metres. The defaults are the constants of the thesis (section 4.2.3, figure
 /// 8). The thesis states no step for its normals. The default of 0.01 m is the step with which the reconstruction of
@@ -104,8 +94,8 @@ impl Algorithm {
     /// An algorithm with its default options.
     pub fn of(profile: Profile) -> Algorithm {
         match profile {
-            Profile::Hybrid => Algorithm::Hybrid(HybridOptions::default()),
-            Profile::March => Algorithm::March(MarchOptions::default()),
+            Profile::Hybrid => Algorithm::Hybrid,
+            Profile::March => Algorithm::March,
             Profile::Thesis => Algorithm::Thesis(ThesisOptions::default()),
         }
     }
@@ -113,8 +103,8 @@ impl Algorithm {
     /// The algorithm's name.
     pub fn profile(&self) -> Profile {
         match self {
-            Algorithm::Hybrid(_) => Profile::Hybrid,
-            Algorithm::March(_) => Profile::March,
+            Algorithm::Hybrid => Profile::Hybrid,
+            Algorithm::March => Profile::March,
             Algorithm::Thesis(_) => Profile::Thesis,
         }
     }
@@ -122,21 +112,9 @@ impl Algorithm {
     /// Checks the algorithm's options.
     pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
         match self {
-            Algorithm::Hybrid(HybridOptions {}) | Algorithm::March(MarchOptions {}) => Ok(()),
+            Algorithm::Hybrid | Algorithm::March => Ok(()),
             Algorithm::Thesis(thesis) => thesis.validate(max_distance),
         }
-    }
-}
-
-impl From<HybridOptions> for Algorithm {
-    fn from(options: HybridOptions) -> Algorithm {
-        Algorithm::Hybrid(options)
-    }
-}
-
-impl From<MarchOptions> for Algorithm {
-    fn from(options: MarchOptions) -> Algorithm {
-        Algorithm::March(options)
     }
 }
 

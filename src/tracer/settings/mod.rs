@@ -9,7 +9,7 @@ use super::TraceError;
 use crate::error::Error;
 use crate::serialised::given;
 use crate::shader::Directions;
-pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
+pub use algorithm::{Algorithm, Profile, ThesisOptions};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -88,8 +88,8 @@ impl Settings {
     pub fn new(algorithm: impl Into<Algorithm>) -> Settings {
         let algorithm = algorithm.into();
         let (max_distance, iterations_per_pass) = match algorithm {
-            Algorithm::Hybrid(_) => (FAR, Settings::MAX_ITERATIONS),
-            Algorithm::March(_) => (FAR, MARCHES_PER_PASS),
+            Algorithm::Hybrid => (FAR, Settings::MAX_ITERATIONS),
+            Algorithm::March => (FAR, MARCHES_PER_PASS),
             Algorithm::Thesis(_) => (THESIS_MAX_DISTANCE, 1),
         };
         Settings {

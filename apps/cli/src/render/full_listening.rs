@@ -9,9 +9,10 @@ use super::{Job, Parts, ReportHead, sounds};
 use clap::Args;
 use echomarch::Error;
 use echomarch::audio::{Sound, WavWriter};
+use echomarch::auralisation::{HeardKind, HeardSource};
 use echomarch::offline::{self, Block, FullSettings};
 use echomarch::response::ImpulseSettings;
-use echomarch::response::{Accuracy, HeardKind, HeardSource, ResponseSettings};
+use echomarch::response::{Accuracy, ResponseSettings};
 use serde::Serialize;
 use std::time::Instant;
 

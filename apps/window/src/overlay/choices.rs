@@ -159,8 +159,8 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
                 "a march ends at this distance from a surface: the thesis' only accuracy setting";
             style::slider(ui, "min. dist.", slider.logarithmic(true)).on_hover_text(why);
         }
-        Algorithm::March(_) => no_option(ui, "Newton's steps: no minimum distance"),
-        Algorithm::Hybrid(_) => no_option(ui, "closed form: no minimum distance"),
+        Algorithm::March => no_option(ui, "Newton's steps: no minimum distance"),
+        Algorithm::Hybrid => no_option(ui, "closed form: no minimum distance"),
     }
 }
 

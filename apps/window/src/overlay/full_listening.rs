@@ -1,7 +1,7 @@
 //! The panel section for full listening: each source's level, and the energy against time.
 
 use super::{HudState, style};
-use echomarch::response::HeardSource;
+use echomarch::auralisation::HeardSource;
 use echomarch_walk::{EarsStatus, QUIETEST_DB};
 use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 

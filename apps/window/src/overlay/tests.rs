@@ -2,7 +2,8 @@
 
 use super::super::DemoOptions;
 use super::*;
-use echomarch::response::{HeardSource, PathKind};
+use echomarch::auralisation::HeardSource;
+use echomarch::response::PathKind;
 use echomarch_walk::DrawnPath;
 use egui::{Context, Id, RawInput, Rect};
 use glam::Vec3;

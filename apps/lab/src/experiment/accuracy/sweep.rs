@@ -61,7 +61,7 @@ impl Case {
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
         let min_distance = match &settings.algorithm {
-            Algorithm::Hybrid(_) | Algorithm::March(_) => None,
+            Algorithm::Hybrid | Algorithm::March => None,
             Algorithm::Thesis(thesis) => Some(thesis.min_distance),
         };
         CaseReport {
@@ -188,7 +188,7 @@ fn min_distances(base: &Case) -> Vec<Case> {
 
 fn at_distance(base: &Case, metres: f32) -> Case {
     base.but(&format!("{metres} m"), |s| match &mut s.algorithm {
-        Algorithm::Hybrid(_) | Algorithm::March(_) => (),
+        Algorithm::Hybrid | Algorithm::March => (),
         Algorithm::Thesis(thesis) => thesis.min_distance = metres,
     })
 }

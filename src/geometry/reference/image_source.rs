@@ -69,7 +69,11 @@ impl ShoeboxImages {
 
     /// The arrival at the listener of the wave that leaves the source along `direction` (world axes, any length),
     /// within `iterations` flights; `None` if the wave is not heard.
-    pub(super) fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
+    pub(in crate::geometry) fn arrival(
+        &self,
+        direction: DVec3,
+        iterations: u32,
+    ) -> Option<Arrival> {
         let u = (self.into_room * direction.try_normalize()?).to_array();
         // Number of walls crossed along each axis, and in total.
         let mut crossed = [0u32; 3];

@@ -1,7 +1,7 @@
 //! A summary of the sound of one source at the listener: the level, and the paths by kind.
 
-use super::{Figures, PathKind, Response};
 use crate::bands;
+use crate::response::{Figures, PathKind, Response};
 use serde::Serialize;
 use std::fmt;
 
