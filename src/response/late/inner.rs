@@ -21,8 +21,8 @@ pub(in crate::response) struct Difference {
     pub other: Echogram,
 }
 
-/// The sphere of late arrivals is rejected if the squares of a figure's differences exceed this multiple of their
-/// variances, on the average over the bands: four standard deviations.
+/// A sphere is rejected if the squares of a figure's differences exceed this multiple of their variances, on the average
+/// over the bands: four standard deviations.
 const MOST_TIMES_VARIANCE: f64 = 16.0;
 
 /// The part of an arrival that crosses the inner sphere; `None` if it misses it.
@@ -45,8 +45,8 @@ impl Difference {
     }
 }
 
-/// Whether the sphere of late arrivals must not be used: the differences exceed their noise, and the accepted bias, a
-/// share of decay times. Smaller differences only become part of the errors.
-pub(in crate::response) fn are_biased(differences: &Differences, accepted_bias: f64) -> bool {
-    differences.exceed(MOST_TIMES_VARIANCE, accepted_bias)
+/// Whether the arrivals in a sphere must not be used: the bias of its figures exceeds its noise and the accepted bias, a
+/// share of decay times. A smaller bias only becomes part of the errors.
+pub(in crate::response) fn are_biased(bias: &Differences, accepted_bias: f64) -> bool {
+    bias.exceed(MOST_TIMES_VARIANCE, accepted_bias)
 }
