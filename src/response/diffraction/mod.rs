@@ -42,6 +42,7 @@ mod string;
 mod tent;
 #[cfg(test)]
 mod tests;
+mod touch;
 mod turn;
 mod ways;
 mod wedge;
