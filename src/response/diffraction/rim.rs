@@ -112,42 +112,39 @@ impl Rim {
             let Some(edge) = edge_at(space, planes, (azimuth, above)) else {
                 break;
             };
-            match Rim::nearest(space, planes, edge, azimuth) {
-                Ok(rim) => return rim.as_edge(space),
-                Err(rim) => last.get_or_insert(rim),
-            };
+            let (rim, is_nearest) = Rim::nearest(space, planes, edge, azimuth);
+            if is_nearest {
+                return rim.if_edge(space);
+            }
+            last.get_or_insert(rim);
             let (source, listener) = planes.ends();
             azimuth = planes.azimuth_of(edge.shortest(source, listener));
         }
-        last?.as_edge(space)
+        last?.if_edge(space)
     }
 
     /// The edge on this line, which a tent in the half-plane of an azimuth touches.
     fn on_edge(space: &impl Space, planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Option<Rim> {
-        let nearest = Rim::nearest(space, planes, edge, azimuth);
-        nearest.unwrap_or_else(|rim| rim).as_edge(space)
+        let (rim, _) = Rim::nearest(space, planes, edge, azimuth);
+        rim.if_edge(space)
     }
 
-    /// The edge at the point with the shortest way, or at the point that a tent touches if it does not lie on a solid there.
-    fn nearest(
-        space: &impl Space,
-        planes: &HalfPlanes,
-        edge: Edge,
-        azimuth: f64,
-    ) -> Result<Rim, Rim> {
+    /// The edge at the point with the shortest way and `true`, or at the point that a tent touches if it does not lie on a
+    /// solid there.
+    fn nearest(space: &impl Space, planes: &HalfPlanes, edge: Edge, azimuth: f64) -> (Rim, bool) {
         let (source, listener) = planes.ends();
         let point = edge.shortest(source, listener);
         let touching = Rim::at(planes, edge, azimuth);
         let shortest = Rim::at(planes, Edge { point, ..edge }, azimuth);
         match shortest.is_on_solid(space) {
-            _ if touching.touches_the_straight_way() => Ok(touching),
-            true => Ok(shortest),
-            false => Err(touching),
+            _ if touching.touches_the_straight_way() => (touching, true),
+            true => (shortest, true),
+            false => (touching, false),
         }
     }
 
     /// The edge with the surfaces about it; `None` if the surface is plane there. An edge on the straight way always counts.
-    fn as_edge(self, space: &impl Space) -> Option<Rim> {
+    fn if_edge(self, space: &impl Space) -> Option<Rim> {
         let is_edge = self.touches_the_straight_way() || self.is_edge(space);
         is_edge.then(|| self.with_faces(space))
     }

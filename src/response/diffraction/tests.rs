@@ -178,69 +178,63 @@ fn levels_beside_a_doorway_are_those_of_boundary_elements() {
     assert!(low < 1.5 && high < 4.0, "{low} dB, {high} dB");
 }
 
+/// Thickness and width of an opening in metres, places of source and listener, levels in dB.
+type Opening = ([f64; 2], [f64; 2], [f64; 2], [f64; 5]);
+
 /// Levels in dB of a line source 2 or 3 m in front of an endless rigid wall, behind an opening whose jamb hides it, relative
 /// to the open: means of octave bands from 63 Hz to 1 kHz by `pressures` of scripts/references/doorway.py with this
-/// `THICKNESS` and `WIDTH`. Thickness, width, source, listener (distance from the axis, from the middle of the wall), levels.
-const BEHIND_OPENINGS: [(f64, f64, [f64; 2], [f64; 2], [f64; 5]); 9] = [
+/// `THICKNESS` and `WIDTH`. Places are the distances from the axis and from the middle of the wall.
+const BEHIND_OPENINGS: [Opening; 9] = [
     (
-        0.3,
-        0.9,
+        [0.3, 0.9],
         [1.2, -2.0],
         [-0.40, 2.0],
         [-5.7, -4.9, -3.6, -3.6, -5.1],
     ),
     (
-        0.3,
-        0.9,
+        [0.3, 0.9],
         [1.2, -2.0],
         [-0.16, 2.0],
         [-5.7, -5.0, -4.2, -6.1, -6.0],
     ),
     (
-        0.3,
-        0.9,
+        [0.3, 0.9],
         [1.2, -2.0],
         [0.08, 2.0],
         [-5.8, -5.2, -5.2, -8.7, -7.8],
     ),
     (
-        0.3,
-        0.9,
+        [0.3, 0.9],
         [0.0, -2.0],
         [0.84, 2.0],
         [-5.4, -4.7, -3.7, -4.4, -4.4],
     ),
     (
-        0.3,
-        0.9,
+        [0.3, 0.9],
         [0.0, -2.0],
         [1.08, 2.0],
         [-5.6, -5.0, -4.5, -6.8, -6.3],
     ),
     (
-        0.3,
-        0.9,
+        [0.3, 0.9],
         [0.0, -2.0],
         [1.32, 2.0],
         [-5.9, -5.3, -5.3, -8.9, -7.9],
     ),
     (
-        0.2,
-        0.7,
+        [0.2, 0.7],
         [0.3, -3.0],
         [0.41, 1.2],
         [-6.0, -5.6, -4.7, -4.3, -7.0],
     ),
     (
-        0.2,
-        0.7,
+        [0.2, 0.7],
         [0.3, -3.0],
         [0.65, 1.2],
         [-6.3, -6.1, -5.8, -7.7, -8.9],
     ),
     (
-        0.2,
-        0.7,
+        [0.2, 0.7],
         [0.3, -3.0],
         [0.89, 1.2],
         [-6.7, -6.7, -6.9, -10.7, -11.0],
@@ -252,7 +246,7 @@ const BEHIND_OPENINGS: [(f64, f64, [f64; 2], [f64; 2], [f64; 5]); 9] = [
 #[test]
 fn levels_behind_a_jamb_are_those_of_the_modes_of_the_opening() {
     let mut errors = Vec::new();
-    for (thick, width, source, listener, exact_db) in BEHIND_OPENINGS {
+    for ([thick, width], source, listener, exact_db) in BEHIND_OPENINGS {
         let wall = |side: f64| {
             let x = side * (0.5 * width + 5.0);
             format!("Surface(shape: Box(size: (10, 1000, {thick})), position: ({x}, 0, 0))")
