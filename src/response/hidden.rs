@@ -254,8 +254,11 @@ impl<'a> Obstacles<'a> {
             // The ways with one reflection and those with two share different energies.
             let groups = paths.chunk_by(|a, b| a.reflections.len() == b.reflections.len());
             let heard = groups.flat_map(|group| {
-                let paths = group.iter().cloned();
-                self.heard_together(paths.map(|path| Path::reflected(path, self.pair.scene, wall)))
+                let paths = group.iter().map(|path| {
+                    let path = path.clone().within_faces(exact, vertex.normal, ends, speed);
+                    Path::reflected(path, self.pair.scene, wall)
+                });
+                self.heard_together(paths)
             });
             let paths: Vec<HeardPath> = heard.collect();
             (!paths.is_empty()).then_some(Bent { reflection, paths })

@@ -23,6 +23,9 @@ pub(super) const MOST_SEARCHES: usize = 4;
 /// Distance from the surface, as a share of the way's length, up to which a point counts as on it.
 pub(super) const ON_SURFACE: f64 = 1e-5;
 
+/// Cosine of the angle between edges up to which they are parallel: 8°.
+const PARALLEL: f64 = 0.99;
+
 /// Distance from an edge at which its faces are measured at most, as a share of the shorter leg.
 const MOST_OF_LEG: f64 = 0.7;
 
@@ -62,6 +65,16 @@ impl Edge {
             false => 0.5 * (along_a + along_b),
         };
         self.point + self.along * along
+    }
+
+    /// Whether a point lies within `near_m` metres of the edge's line.
+    pub fn is_near(&self, point: DVec3, near_m: f64) -> bool {
+        self.split(point).1.length() < near_m
+    }
+
+    /// Whether two edges are parallel.
+    pub fn is_parallel_to(&self, other: &Edge) -> bool {
+        self.along.dot(other.along).abs() > PARALLEL
     }
 
     /// Distance of a point along the edge, and its vector from the edge.

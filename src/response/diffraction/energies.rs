@@ -1,7 +1,8 @@
 //! The energies of the ways around an obstacle.
 //!
 //! # Theory
-//! Pressures add: the energy behind an obstacle is that of the sum of all ways. Each way has a share of it in proportion
+//! Pressures add: the energy behind an obstacle is that of the sum of all ways. Reflections that end at edges beside the
+//! ways add as energies, as they do in the light. Each way has a share of it in proportion
 //! to the energy that it would have alone. Where two ways are equally long, as on the axis of a pillar, both have the
 //! same share, so that no level and no direction jumps when a listener walks across the axis.
 //!
@@ -74,11 +75,11 @@ impl Ways {
         let least = detours.iter().copied().fold(f64::INFINITY, f64::min);
         let mut own = vec![0.0; heard.len()];
         let whole = band_mean(band, speed, |k| {
-            let sounds = self.sounds(space, k, faces);
+            let (sounds, reflected) = self.sounds(space, k, faces);
             for ((own, sound), detour) in own.iter_mut().zip(&sounds).zip(&detours) {
                 *own += sound.pressure.norm_sqr() * nearness(k, least, *detour);
             }
-            interference::energy(&sounds, k)
+            interference::energy(&sounds, k) + reflected
         });
         let mut all: f64 = own.iter().sum();
         if all == 0.0 {

@@ -5,9 +5,10 @@ use super::OFF_THE_EDGE;
 use super::energies::nearness;
 use super::interference::{self, Sound, band_mean};
 use super::narrow::wideness;
-use super::rim::{MOST_DETOUR_M, Rim};
+use super::rim::Rim;
 use super::space::Space;
 use super::string::HalfPlanes;
+use super::touch::MOST_DETOUR_M;
 use super::ways::Ways;
 use crate::bands::Bands;
 use num_complex::Complex64;
@@ -102,7 +103,9 @@ impl Lit {
             // At the boundary of a shadow the ways around another obstacle are not known.
             let near = rim.nearness() * nearness(k, least, rim.detour_m());
             let border = far.has_border().then(|| far.at_border(k, added.behind));
-            let around = far.sounds(space, k, faces).into_iter().chain(border);
+            let (around, far_reflected) = far.sounds(space, k, faces);
+            reflected += far_reflected * near * near;
+            let around = around.into_iter().chain(border);
             sounds.extend(around.map(|sound| sound.weighted(near)));
         }
         interference::energy(&sounds, k) + reflected

@@ -42,6 +42,7 @@ mod string;
 mod tent;
 #[cfg(test)]
 mod tests;
+mod touch;
 mod turn;
 mod ways;
 mod wedge;
@@ -240,6 +241,32 @@ impl DiffractedPath {
             arrival_direction: -self.departure,
             ..self
         }
+    }
+
+    /// The path with the energy that the plane faces leave which reflect it, and whose normal this is.
+    pub fn within_faces(
+        mut self,
+        exact: &ExactScene,
+        normal: DVec3,
+        (source, listener): Ends,
+        speed: f64,
+    ) -> DiffractedPath {
+        let points = [&[source], &self.points[..], &[listener]].concat();
+        let reflections = self.reflections.iter().filter_map(|index| {
+            let (before, after) = (&points[..=index + 1], &points[index + 1..]);
+            Some(Reflection {
+                point: after[0],
+                away: (after[1] - after[0]).try_normalize()?,
+                normal,
+                before_m: string::length(before),
+                after_m: string::length(after),
+            })
+        });
+        let shares = within_faces(exact, &reflections.collect::<Vec<_>>(), speed);
+        for (energy, share) in self.energy.iter_mut().zip(shares) {
+            *energy *= share;
+        }
+        self
     }
 
     /// The path along a bend, without energy.

@@ -5,19 +5,16 @@
 //! pressure is continuous at the boundary of the shadow. A plane has no diffracted pressure, and drops out.
 
 use super::bend::Bend;
-use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
+use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, face_distance_m};
 use super::narrow::factor_of;
-use super::ring::{self, Basin, LEAST_DETOUR_M, Samples, all_samples};
+use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
-use super::string::{FINE, HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::tent::bisect;
+use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
+use super::touch::{MOST_DETOUR_M, SIDES, edge_at, touched};
 use super::wedge::{Wedge, behind_screen};
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
-
-/// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
-pub(super) const MOST_DETOUR_M: f64 = 4.0;
 
 /// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
 const PLANE: f64 = 0.01;
@@ -32,10 +29,12 @@ pub(super) struct Rim {
     edge: Edge,
     /// Unit vector from the edge to the straight way.
     inwards: DVec3,
+    /// Length in metres of the shortest way over the line of the edge.
     pub length_m: f64,
     /// The way that would just touch the edge.
     grazing: Option<Bend>,
-    own: Vec<Samples>,
+    /// Half-planes whose tents touch obstacles, and those of them whose tents touch this edge.
+    own: Vec<(Samples, [bool; HALF_PLANES])>,
     lines: Vec<Samples>,
     /// Whether the listener hears the reflections at the first and at the second face, which are paths of their own.
     are_heard: [bool; 2],
@@ -64,36 +63,38 @@ impl Rim {
         strings: &[Option<TautString>],
     ) -> Vec<Rim> {
         let above = |index: usize| strings.get(index).map(Option::as_ref);
-        let detours = ring::detours(|azimuth| {
-            let touch = match above((azimuth / STEP).round() as usize) {
+        let touches: Touches = std::array::from_fn(|index| {
+            let touch = match above(index) {
                 Some(None) => None,
-                known => touched(space, planes, (azimuth, known.flatten()), &SIDES),
+                known => touched(
+                    space,
+                    planes,
+                    (index as f64 * STEP, known.flatten()),
+                    &SIDES,
+                ),
             };
-            touch.map(|(touch, _)| planes.detour_m(touch))
+            touch.map(|(touch, _)| touch)
         });
+        let detours = touches.map(|touch| touch.map(|touch| planes.detour_m(touch)));
+        let search = Search {
+            space,
+            planes,
+            above: &above,
+            touches,
+            detours,
+        };
         let mut rims: Vec<Rim> = Vec::new();
         for basin in Basin::all(&detours) {
-            let above = above(basin.shortest).flatten();
-            let Some(mut rim) = Rim::of(space, planes, basin.shortest as f64 * STEP, above) else {
+            let azimuth = basin.shortest as f64 * STEP;
+            let Some(rim) = Rim::of(space, planes, azimuth, above(basin.shortest).flatten()) else {
                 continue;
             };
+            let owners = search.owners(&basin, rim, &mut rims);
             let samples = basin.samples(&detours);
-            let side = planes.azimuth_of(rim.point());
-            let mut half_planes = [false; HALF_PLANES];
-            for index in basin.half_planes() {
-                half_planes[index] = (index as f64 * STEP - side).cos() > 0.0;
-            }
-            // Beyond a string no edge is near the boundary of the direct sound.
-            rim.grazing = match strings.is_empty() {
-                true => rim.touching(space),
-                false => None,
-            };
-            rim.are_heard = rim.are_reflections_heard(space);
-            match rims.iter_mut().find(|other| other.is_same(&rim)) {
-                Some(other) => other.add(samples, half_planes),
-                None => {
-                    rim.add(samples, half_planes);
-                    rims.push(rim);
+            for (number, rim) in rims.iter_mut().enumerate() {
+                let own = owners.map(|owner| owner == Some(number));
+                if own.contains(&true) {
+                    rim.add(planes, samples.clone(), own);
                 }
             }
         }
@@ -108,38 +109,56 @@ impl Rim {
     ) -> Option<Rim> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let (touch, side) = touched(space, planes, (azimuth, above), &SIDES)?;
-            let beside = |turn: f64| touched(space, planes, (azimuth + turn, above), &[side]);
-            let (other, _) = [TURN, -TURN].into_iter().find_map(beside)?;
-            let edge = Edge {
-                point: touch,
-                along: (other - touch).try_normalize()?,
+            let Some(edge) = edge_at(space, planes, (azimuth, above)) else {
+                break;
             };
+            let (rim, is_nearest) = Rim::nearest(space, planes, edge, azimuth);
+            if is_nearest {
+                return rim.if_edge(space);
+            }
+            last.get_or_insert(rim);
             let (source, listener) = planes.ends();
-            let point = edge.shortest(source, listener);
-            let rim = |point: DVec3| Rim::at(planes, Edge { point, ..edge }, azimuth);
-            if planes.detour_m(touch) < LEAST_DETOUR_M {
-                return Some(rim(touch));
-            }
-            let moved = rim(point);
-            if moved.is_on_solid(space) {
-                return moved.is_edge(space).then_some(moved);
-            }
-            last.get_or_insert_with(|| rim(touch));
-            azimuth = planes.azimuth_of(point);
+            azimuth = planes.azimuth_of(edge.shortest(source, listener));
         }
-        last.filter(|rim: &Rim| rim.is_edge(space))
+        last?.if_edge(space)
+    }
+
+    /// The edge on this line, which a tent in the half-plane of an azimuth touches.
+    fn on_edge(space: &impl Space, planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Option<Rim> {
+        let (rim, _) = Rim::nearest(space, planes, edge, azimuth);
+        rim.if_edge(space)
+    }
+
+    /// The edge at the point with the shortest way and `true`, or at the point that a tent touches if it does not lie on a
+    /// solid there.
+    fn nearest(space: &impl Space, planes: &HalfPlanes, edge: Edge, azimuth: f64) -> (Rim, bool) {
+        let (source, listener) = planes.ends();
+        let point = edge.shortest(source, listener);
+        let touching = Rim::at(planes, edge, azimuth);
+        let shortest = Rim::at(planes, Edge { point, ..edge }, azimuth);
+        match shortest.is_on_solid(space) {
+            _ if touching.touches_the_straight_way() => (touching, true),
+            true => (shortest, true),
+            false => (touching, false),
+        }
+    }
+
+    /// The edge with the surfaces about it; `None` if the surface is plane there. An edge on the straight way always counts.
+    fn if_edge(self, space: &impl Space) -> Option<Rim> {
+        let is_edge = self.touches_the_straight_way() || self.is_edge(space);
+        is_edge.then(|| self.with_faces(space))
     }
 
     fn at(planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Rim {
         let (source, listener) = planes.ends();
+        let shortest = edge.shortest(source, listener);
         let line = |azimuth: f64| planes.on_line(&edge, azimuth);
         let lines = ring::detours(|azimuth| line(azimuth).map(|point| planes.detour_m(point)));
         Rim {
             source,
             listener,
             inwards: -planes.upwards(azimuth),
-            length_m: source.distance(edge.point) + edge.point.distance(listener),
+            length_m: shortest.distance(source) + shortest.distance(listener),
             edge,
             own: Vec::new(),
             grazing: None,
@@ -149,21 +168,45 @@ impl Rim {
         }
     }
 
-    /// Adds half-planes in which tents touch the edge.
-    fn add(&mut self, samples: Samples, half_planes: [bool; HALF_PLANES]) {
-        self.own.push(samples);
-        for (known, added) in self.half_planes.iter_mut().zip(half_planes) {
-            *known |= added;
+    /// Adds half-planes, and those of them in which tents touch the edge.
+    fn add(&mut self, planes: &HalfPlanes, samples: Samples, own: [bool; HALF_PLANES]) {
+        let side = planes.azimuth_of(self.point());
+        for index in (0..HALF_PLANES).filter(|index| own[*index]) {
+            self.half_planes[index] |= (index as f64 * STEP - side).cos() > 0.0;
+        }
+        self.own.push((samples, own));
+    }
+
+    /// Looks at the surfaces about the edge.
+    fn with_faces(self, space: &impl Space) -> Rim {
+        let after_m = self.edge.point.distance(self.listener);
+        Rim {
+            grazing: Bend::grazing(space, self.source, self.edge, after_m, self.inwards),
+            are_heard: self.are_reflections_heard(space),
+            ..self
         }
     }
 
-    fn touching(&self, space: &impl Space) -> Option<Bend> {
-        let after_m = self.edge.point.distance(self.listener);
-        Bend::grazing(space, self.source, self.edge, after_m, self.inwards)
+    /// Whether a point lies on the line of the edge.
+    fn has_on_line(&self, point: DVec3) -> bool {
+        self.edge.is_near(point, self.near_m())
+    }
+
+    /// Distance in metres up to which points are the same.
+    fn near_m(&self) -> f64 {
+        ON_SURFACE.sqrt() * self.length_m
+    }
+
+    /// The integral of exp(ikδ) over the half-planes whose tents touch the edge, divided by 2π.
+    fn own_sum(&self, k: f64) -> Complex64 {
+        let share = |own: &[bool; HALF_PLANES], index: usize| f64::from(own[index]).into();
+        let sums = self.own.iter();
+        sums.map(|(samples, own)| samples.weighted_sum(k, |index| share(own, index)))
+            .sum()
     }
 
     fn is_same(&self, other: &Rim) -> bool {
-        self.edge.point.distance(other.edge.point) < ON_SURFACE.sqrt() * self.length_m
+        self.edge.point.distance(other.edge.point) < self.near_m()
     }
 
     fn is_on_solid(&self, space: &impl Space) -> bool {
@@ -219,7 +262,7 @@ impl Rim {
     pub fn added(&self, space: &impl Space, k: f64, (face, wide): (f64, f64)) -> Option<Added> {
         let detour_m = self.detour_m();
         let straight = behind_screen(k * detour_m) * Complex64::cis(k * detour_m);
-        let ends = 1.0 + (ring::sum(&self.own, k) - ring::sum(&self.lines, k)) / straight;
+        let ends = 1.0 + (self.own_sum(k) - ring::sum(&self.lines, k)) / straight;
         let strength = ends * self.nearness();
         let round = match &self.grazing {
             Some(grazing) => grazing.most_round(space, k),
@@ -227,9 +270,11 @@ impl Rim {
         };
         let mut added = match self.wedge(space, self.face_m(k)) {
             Some(wedge) => self.added_by_edge(&wedge, k, face),
-            // A body that is smaller than the zone has no faces there.
-            None if round == 1.0 => Added::default(),
-            None => return None,
+            // A body that is smaller than the zone has no faces there: it disturbs the front as a thin screen does.
+            None => Added {
+                direct: -straight,
+                ..Added::default()
+            },
         };
         let [mut ratio, mut behind] = [Complex64::ONE; 2];
         if let Some(grazing) = &self.grazing {
@@ -281,7 +326,9 @@ impl Rim {
 
     /// Whether the edge lies on the straight way.
     pub fn touches_the_straight_way(&self) -> bool {
-        self.detour_m() < LEAST_DETOUR_M
+        let point = self.edge.point;
+        let over_m = self.source.distance(point) + point.distance(self.listener);
+        over_m - self.source.distance(self.listener) < LEAST_DETOUR_M
     }
 
     /// Unit vector from the edge to the straight way.
@@ -295,51 +342,114 @@ impl Rim {
     }
 }
 
-/// Directions along a face.
-const SIDES: [f64; 2] = [1.0, -1.0];
+/// The points at which obstacles touch the lowest tents that they block, by half-plane.
+type Touches = [Option<DVec3>; HALF_PLANES];
 
-/// The point at which an obstacle above the straight line, or above a string, touches the lowest tent that it blocks. If a
-/// tent touches a plane face, it is the end of the face with the shortest detour, of those on these sides. Also the side.
-fn touched(
-    space: &impl Space,
-    planes: &HalfPlanes,
-    (azimuth, above): (f64, Option<&TautString>),
-    sides: &[f64],
-) -> Option<(DVec3, f64)> {
-    let touch = planes.beyond(space, azimuth, above, MOST_DETOUR_M)?;
-    let along = planes.along_face(space, azimuth, touch)?;
-    let end = |side: &f64| Some((end_of_face(space, planes, touch, along * *side)?, *side));
-    let ends = sides.iter().filter_map(end);
-    let nearest = ends.min_by(|a, b| planes.detour_m(a.0).total_cmp(&planes.detour_m(b.0)));
-    Some(nearest.unwrap_or((touch, sides[0])))
+/// The index of an edge among the others: that of the same edge, or a new one.
+fn place(rims: &mut Vec<Rim>, rim: Rim) -> usize {
+    let same = rims.iter().position(|other| other.is_same(&rim));
+    same.unwrap_or_else(|| {
+        rims.push(rim);
+        rims.len() - 1
+    })
 }
 
-/// Distance at which the search for the end of a face begins, as a share of the distance between source and listener, and
-/// the factor between distances that are tried.
-const FIRST: f64 = 0.01;
-const LONGER: f64 = 1.5;
-/// Distance from a face up to which a point is on it, as a share of the distance between source and listener.
-const ON_FACE: f64 = 10.0 * FINE;
+/// The index of the edge on whose line a point lies.
+fn on_line_of(rims: &[Rim], point: DVec3) -> Option<usize> {
+    rims.iter().position(|rim| rim.has_on_line(point))
+}
 
-/// The end of a plane face along a unit vector from a point on it; `None` if the surface is curved, or goes on.
-fn end_of_face(
-    space: &impl Space,
-    planes: &HalfPlanes,
-    touch: DVec3,
-    along: DVec3,
-) -> Option<DVec3> {
-    let error = ON_FACE * planes.apart_m();
-    let height = |metres: f64| space.distance(touch + along * metres);
-    let mut on_face = 0.0;
-    let mut next = FIRST * planes.apart_m();
-    while height(next) <= error {
-        if height(next) < -error || planes.detour_m(touch + along * next) > MOST_DETOUR_M {
-            return None;
+/// The search for the edges that the half-planes of a basin touch.
+struct Search<'a, S, F> {
+    space: &'a S,
+    planes: &'a HalfPlanes,
+    /// The strings above which edges are sought.
+    above: &'a F,
+    touches: Touches,
+    detours: Detours,
+}
+
+impl<'a, S: Space, F: Fn(usize) -> Option<Option<&'a TautString>>> Search<'_, S, F> {
+    /// The indices of the edges that the half-planes of a basin touch. `first` is the edge of its shortest half-plane.
+    ///
+    /// Straight edges that are not parallel, as a jamb and a lintel, have pressures of their own, and planes have none.
+    fn owners(
+        &self,
+        basin: &Basin,
+        first: Rim,
+        rims: &mut Vec<Rim>,
+    ) -> [Option<usize>; HALF_PLANES] {
+        let near_m = first.near_m();
+        let first = place(rims, first);
+        let mut owners = [None; HALF_PLANES];
+        for index in basin.half_planes() {
+            owners[index] = self.touches[index].and_then(|touch| on_line_of(rims, touch));
         }
-        on_face = next;
-        next *= LONGER;
+        let known = owners;
+        let all: Vec<usize> = basin.half_planes().collect();
+        let runs = all.chunk_by(|a, b| known[*a].is_some() == known[*b].is_some());
+        for run in runs.filter(|run| known[run[0]].is_none()) {
+            let mut rest = run.to_vec();
+            while let Some((shortest, edge)) = self.straight_edge(&rest) {
+                let is_on = |index: usize| {
+                    let touch = self.touches[index];
+                    index == shortest || touch.is_some_and(|touch| edge.is_near(touch, near_m))
+                };
+                let (own, others): (Vec<usize>, _) = rest.iter().partition(|index| is_on(**index));
+                rest = others;
+                let mut known = owners.into_iter().flatten();
+                let parallel = known.find(|owner| rims[*owner].edge.is_parallel_to(&edge));
+                let owner = parallel.or_else(|| {
+                    let azimuth = shortest as f64 * STEP;
+                    let rim = Rim::on_edge(self.space, self.planes, edge, azimuth)?;
+                    Some(place(rims, rim))
+                });
+                for index in own {
+                    owners[index] = owner;
+                }
+            }
+            for index in rest {
+                owners[index] = Some(first);
+            }
+        }
+        owners
     }
-    let (_, end) = bisect(next, on_face, error, |metres| height(metres) <= error);
-    // A curved surface leaves its tangent before.
-    (height(0.5 * end) < 0.1 * error).then(|| touch + along * end)
+
+    /// The straight edge that tents touch in the shortest of neighbouring half-planes, and the index of that half-plane;
+    /// `None` if the surface is curved there.
+    fn straight_edge(&self, run: &[usize]) -> Option<(usize, Edge)> {
+        let detour = |index: &usize| self.detours[*index].unwrap_or(f64::INFINITY);
+        let shortest = *run.iter().min_by(|a, b| detour(a).total_cmp(&detour(b)))?;
+        let point = self.touches[shortest]?;
+        let line = |middle: DVec3, end: DVec3| {
+            let along = (end - point).try_normalize()?;
+            let towards = (middle - point).try_normalize()?;
+            (along.angle_between(towards) < STRAIGHT).then_some(along)
+        };
+        let along = |step: usize, share: f64| {
+            let next = (shortest + step) % HALF_PLANES;
+            match run.contains(&next) {
+                true => line(self.between(shortest, share)?, self.touches[next]?),
+                false => None,
+            }
+        };
+        let alone = || {
+            let [before, after] = [-0.5, 0.5].map(|share| self.between(shortest, share));
+            line(2.0 * point - before?, after?)
+        };
+        let along = along(1, 0.5).or_else(|| along(HALF_PLANES - 1, -0.5));
+        let along = along.or_else(|| alone().filter(|_| run.len() == 1))?;
+        Some((shortest, Edge { point, along }))
+    }
+
+    /// The touch at a share of the angle to the next half-plane.
+    fn between(&self, index: usize, share: f64) -> Option<DVec3> {
+        let azimuth = (index as f64 + share) * STEP;
+        let above = (self.above)(index).flatten();
+        let touch = touched(self.space, self.planes, (azimuth, above), &SIDES);
+        touch.map(|(touch, _)| touch)
+    }
 }
+
+/// Angle in radians between lines to neighbouring touches up to which they lie on a straight edge.
+const STRAIGHT: f64 = 0.01;

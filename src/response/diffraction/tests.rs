@@ -178,6 +178,92 @@ fn levels_beside_a_doorway_are_those_of_boundary_elements() {
     assert!(low < 1.5 && high < 4.0, "{low} dB, {high} dB");
 }
 
+/// Thickness and width of an opening in metres, places of source and listener, levels in dB.
+type Opening = ([f64; 2], [f64; 2], [f64; 2], [f64; 5]);
+
+/// Levels in dB of a line source 2 or 3 m in front of an endless rigid wall, behind an opening whose jamb hides it, relative
+/// to the open: means of octave bands from 63 Hz to 1 kHz by `pressures` of scripts/references/doorway.py with this
+/// `THICKNESS` and `WIDTH`. Places are the distances from the axis and from the middle of the wall.
+const BEHIND_OPENINGS: [Opening; 9] = [
+    (
+        [0.3, 0.9],
+        [1.2, -2.0],
+        [-0.40, 2.0],
+        [-5.7, -4.9, -3.6, -3.6, -5.1],
+    ),
+    (
+        [0.3, 0.9],
+        [1.2, -2.0],
+        [-0.16, 2.0],
+        [-5.7, -5.0, -4.2, -6.1, -6.0],
+    ),
+    (
+        [0.3, 0.9],
+        [1.2, -2.0],
+        [0.08, 2.0],
+        [-5.8, -5.2, -5.2, -8.7, -7.8],
+    ),
+    (
+        [0.3, 0.9],
+        [0.0, -2.0],
+        [0.84, 2.0],
+        [-5.4, -4.7, -3.7, -4.4, -4.4],
+    ),
+    (
+        [0.3, 0.9],
+        [0.0, -2.0],
+        [1.08, 2.0],
+        [-5.6, -5.0, -4.5, -6.8, -6.3],
+    ),
+    (
+        [0.3, 0.9],
+        [0.0, -2.0],
+        [1.32, 2.0],
+        [-5.9, -5.3, -5.3, -8.9, -7.9],
+    ),
+    (
+        [0.2, 0.7],
+        [0.3, -3.0],
+        [0.41, 1.2],
+        [-6.0, -5.6, -4.7, -4.3, -7.0],
+    ),
+    (
+        [0.2, 0.7],
+        [0.3, -3.0],
+        [0.65, 1.2],
+        [-6.3, -6.1, -5.8, -7.7, -8.9],
+    ),
+    (
+        [0.2, 0.7],
+        [0.3, -3.0],
+        [0.89, 1.2],
+        [-6.7, -6.7, -6.9, -10.7, -11.0],
+    ),
+];
+
+/// Protects the sum of ways behind a jamb, where the other jamb reflects: levels in octave bands are within 1 dB (root mean
+/// square) of those that the modes of the opening give. Reflections at the other jamb add as energies.
+#[test]
+fn levels_behind_a_jamb_are_those_of_the_modes_of_the_opening() {
+    let mut errors = Vec::new();
+    for ([thick, width], source, listener, exact_db) in BEHIND_OPENINGS {
+        let wall = |side: f64| {
+            let x = side * (0.5 * width + 5.0);
+            format!("Surface(shape: Box(size: (10, 1000, {thick})), position: ({x}, 0, 0))")
+        };
+        let ends = [source, listener].map(|[aside, from]| DVec3::new(aside, 0.0, from));
+        let exact = exact(&format!("{}, {}", wall(1.0), wall(-1.0)), ends.into());
+        let paths = around(&exact, ends.into(), SPEED, |_| [1.0; 8]);
+        let energy = crate::bands::sum(paths.iter().map(|path| &path.energy));
+        let open = 4.0 * PI * ends[0].distance_squared(ends[1]);
+        for (band, exact_db) in exact_db.into_iter().enumerate() {
+            errors.push((0.0, 10.0 * (energy[band] * open).log10() - exact_db));
+        }
+    }
+    let rms = root_mean_square(&errors);
+    assert!(rms < 1.0, "{rms} dB: {errors:?}");
+}
+
 /// Levels in dB of a line source at the height `e` in metres above the top of a rigid bar, 3 m on one side of its middle, at
 /// the same height 3 m on the other side, relative to the open: means of octave bands from 125 Hz to 2 kHz by
 /// `pressures(k, bar(k, width), …)` of scripts/references/boundary_elements.py. Width of the bar, `e`, levels.
@@ -226,9 +312,9 @@ fn hidden_level_db(surfaces: &str, [source, listener]: [DVec3; 2], k: f64) -> Op
         return None;
     }
     let ways = Ways::around(&exact, &HalfPlanes::between(source, listener)?);
-    let sounds = ways.sounds(&exact, k, &ways.rigid());
+    let (sounds, reflected) = ways.sounds(&exact, k, &ways.rigid());
     let sum: Complex64 = sounds.iter().map(|sound| sound.pressure).sum();
-    Some(20.0 * sum.norm().log10())
+    Some(10.0 * (sum.norm_sqr() + reflected).log10())
 }
 
 /// Protects ways across the rim of a short cylinder, whose two edges cross each other: all energies are numbers.
@@ -317,7 +403,7 @@ fn ways_around_a_ball_are_kept_by_side() {
         let heard: Vec<_> = ways.bends.iter().flat_map(Way::heard).collect();
         assert_eq!(heard.len(), 1, "side {side}");
         assert!(side * heard[0].turns[0].middle.y > 0.0);
-        let sounds = ways.sounds(&exact, 10.0, &ways.rigid());
+        let (sounds, _) = ways.sounds(&exact, 10.0, &ways.rigid());
         assert_eq!(sounds.len(), 1);
         assert_eq!(sounds[0].length_m, heard[0].length_m);
         assert!(sounds[0].pressure.norm() > 0.0);

@@ -179,8 +179,9 @@ impl Ways {
     }
 
     /// The sounds of the bends that are heard, followed by those of the edges beside the ways, relative to the open, for
-    /// the wave number `k`. `faces` has the pressure reflection coefficients at the turns of each way, and at each edge.
-    pub fn sounds(&self, space: &impl Space, k: f64, faces: &[Vec<f64>]) -> Vec<Sound> {
+    /// the wave number `k`, and the energy of reflections that end at these edges. `faces` has the pressure reflection
+    /// coefficients at the turns of each way, and at each edge.
+    pub fn sounds(&self, space: &impl Space, k: f64, faces: &[Vec<f64>]) -> (Vec<Sound>, f64) {
         let (of_bends, of_rims) = faces.split_at(self.bends.len());
         let ways = self.bends.iter().zip(of_bends).flat_map(|(way, faces)| {
             let pressures = way.pressures(space, k, faces, self.apart_m);
@@ -193,15 +194,19 @@ impl Ways {
                 })
             })
         });
-        let rims = self.rims.iter().zip(of_rims.iter().flatten());
-        let added = rims.filter_map(|(rim, face)| {
-            let added = rim.added(space, k, (*face, 1.0))?;
-            Some(Sound {
-                pressure: added.direct + added.reflected,
+        let mut sounds: Vec<Sound> = ways.collect();
+        let mut reflected = 0.0;
+        for (rim, face) in self.rims.iter().zip(of_rims.iter().flatten()) {
+            let Some(added) = rim.added(space, k, (*face, 1.0)) else {
+                continue;
+            };
+            reflected += added.reflected.norm_sqr();
+            sounds.push(Sound {
+                pressure: added.direct,
                 length_m: rim.length_m,
-            })
-        });
-        ways.chain(added).collect()
+            });
+        }
+        (sounds, reflected)
     }
 
     /// The sound of the strings in half-planes next to free ones for the wave number `k`, relative to the open. `behind` is
