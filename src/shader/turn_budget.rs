@@ -314,8 +314,8 @@ pub(crate) struct LoopsAsked {
     pub thesis_steps: u32,
     /// Maximum iterations in a pass.
     pub iterations_per_pass: u32,
-    /// Number of spheres that each flight may cross; 0 if none is counted. A loop of at most one turn records the crossing
-    /// of a sphere. With more than one sphere, a loop goes through them.
+    /// Number of spheres that each flight may cross; 0 in frames, which count no crossings. A loop of at most one turn
+    /// records the crossing of a sphere. With more than one sphere, a loop goes through them.
     pub detectors: u32,
 }
 

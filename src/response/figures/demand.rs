@@ -1,4 +1,4 @@
-//! What figures demand of the numbers of waves until they have a requested accuracy, and which kinds of waves fulfil it.
+//! The demands of figures for waves until they have a requested accuracy, by the kind of waves.
 
 use super::precision::Withheld;
 use super::uncertainty::{Halves, Noisy};

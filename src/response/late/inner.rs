@@ -15,9 +15,9 @@ use crate::response::{Arrival, Differences, Echogram, Record};
 /// The late arrivals of the same waves in both spheres.
 #[derive(Clone, Debug)]
 pub(in crate::response) struct Difference {
-    /// Those of the figures.
+    /// The arrivals in the sphere of the figures.
     pub counted: Echogram,
-    /// Those in the other sphere.
+    /// The arrivals in the other sphere.
     pub other: Echogram,
 }
 

@@ -96,7 +96,7 @@ impl InSphere {
 #[derive(Clone)]
 pub(super) struct Sums {
     wide: InSphere,
-    /// Those in the inner sphere, if the two spheres are compared.
+    /// Arrivals in the inner sphere, if the two spheres are compared.
     inner: Option<InSphere>,
 }
 

@@ -16,10 +16,12 @@
 //! | `volume.rs` | the open volume of a sphere |
 //! | `targets.rs` | textures, and their read-back |
 //! | `passages.rs` | the parts of waves that continue through solids |
+//! | `block.rs` | the waves of a block: their progress, places and energies |
 //! | `replay.rs` | the computation of arrivals from records |
 //! | `resampling.rs` | waves of about equal energy |
 //! | `../tracer/arrival_passes.rs` | the passes |
 
+mod block;
 mod detectors;
 mod events;
 mod passages;
@@ -29,6 +31,7 @@ mod settings;
 mod targets;
 mod volume;
 
+pub(super) use block::{Block, Listed};
 pub(crate) use detectors::Detector;
 pub(super) use detectors::{OpenVolumes, compiled_detectors, most_detectors};
 pub(super) use events::EventTable;
@@ -37,7 +40,7 @@ pub(super) use passages::{
     LEAST_GENERATION, MOST_GENERATIONS, MOST_PASSAGES, PASSAGE_SHARE, Passage, kept,
     kept_beside_waves, loudest, thinned,
 };
-pub(super) use replay::{Block, DetectorDensity, Listed, Replay};
+pub(super) use replay::{DetectorDensity, Replay};
 pub(super) use resampling::ITERATIONS_BEFORE_RESAMPLING;
 pub(crate) use resampling::resampled_band_groups;
 pub use settings::{ArrivalCounts, ArrivalSettings};

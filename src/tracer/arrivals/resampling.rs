@@ -13,7 +13,7 @@
 //! variances. Systematic resampling draws the numbers of copies with one random number (J. Carpenter, P. Clifford and P.
 //! Fearnhead, *Improved particle filter for nonlinear problems*, 1999).
 
-use super::replay::Block;
+use super::block::Block;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Scene;
 use crate::shader;
@@ -52,7 +52,7 @@ pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
 }
 
 impl Block {
-    /// Replaces the travelling waves by as many waves of about equal energy if the importance of a wave is far above the
+    /// Replaces the travelling waves by the same number of waves of about equal energy if the importance of a wave is far above the
     /// mean, and moves them to the first rows of the grid if they fill only a part of `rows`. `random` is uniform in
     /// 0 … 1. Returns the original's texel for each texel of the grid, and sets the rows of the travelling waves.
     pub fn resample(&mut self, random: f64, rows: &mut Range<u32>) -> Option<Vec<i32>> {
@@ -84,7 +84,7 @@ impl Block {
         }
     }
 
-    /// Draws as many copies as there are travelling waves: their originals and energies.
+    /// Draws a copy for each travelling wave: its original and its energy.
     fn drawn(
         &self,
         travelling: &[u32],
