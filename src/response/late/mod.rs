@@ -2,7 +2,7 @@
 //! directions (`importance.rs`).
 //!
 //! Sound scattered within the maximum number of reflections of exact paths is counted in both spheres
-//! ([`NearScattering`]).
+//! (`near.rs`).
 //!
 //! Late arrivals may come from fewer waves than the search for exact paths uses. Fewer waves only add noise to late
 //! sound, while a path that no wave finds is missing. Further waves may follow (`tally.rs`), and some waves may end after
@@ -11,6 +11,7 @@
 mod early;
 mod importance;
 mod inner;
+mod near;
 mod onset;
 mod pilot;
 mod reach;

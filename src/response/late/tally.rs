@@ -5,7 +5,7 @@
 //! arrivals, which find exact paths, are extended in the same way.
 
 use super::inner::{self, Difference};
-use super::sphere::NearScattering;
+use super::near::NearScattering;
 use super::{Arrivals, Heard, LateSphere};
 use crate::bands::BAND_COUNT;
 use crate::response::source_sound::Medium;
