@@ -3,7 +3,7 @@
 //
 //   first texture:   position x, y, z in metres, status
 //   second texture:  direction x, y, z, metres flown from the source (rounded)
-//   tally:           metres flown in the chunk as whole sixteenths and remainder, crossings + 1024 * fate,
+//   tally:           metres flown in the chunk as whole sixteenths and remainder, crossings + 16384 * fate,
 //                    the first word of events
 //   words:           four more words of events, only with materials
 //   each record:     metres from the chunk's start to the middle of the chord; iteration + 64 * detector +

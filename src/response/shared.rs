@@ -14,7 +14,8 @@ use crate::tracer::{ArrivalSettings, Tracer};
 /// Maximum bytes of the echograms of listeners that share waves. More listeners are traced one after another.
 const MOST_BYTES: f64 = 512e6;
 
-/// Number of echograms of a listener: all arrivals, both spheres, the same of further waves, and a copy for the errors.
+/// Number of long echograms of a listener: all arrivals, both spheres, the same of two kinds of further waves, and a copy
+/// for the errors. Those of sound scattered after few reflections are short.
 const ECHOGRAMS: f64 = 7.0;
 
 /// Listeners of one source in one scene.

@@ -44,8 +44,8 @@ const CALLS_OF_DIFFERENCES: u64 = 62;
 /// Cells whose lists the distance to a mesh reads (`glsl/shape/mesh.glsl`).
 const CELLS_OF_DISTANCE: u64 = 8;
 
-/// Maximum turns that are counted for a line through a mesh. The count is the length of the longest list in each cell on
-/// a line along the diagonal of the grid, and no line meets that many triangles.
+/// Maximum turns that are counted for a line through a mesh. The count takes the longest list in each cell on a line along
+/// the diagonal of the grid, and no line meets that many triangles.
 const MOST_MESH_TURNS: u64 = 16_000;
 
 /// Turns of the loop over the step lengths.

@@ -336,6 +336,10 @@ impl BandShares<'_> {
         let later = all.bins_from(after_s);
         let in_onset = later.start..self.of.until.max(later.start);
         let squares = all.squares(self.band, later);
+        // Without arrivals no number of waves suffices.
+        if squares <= 0.0 {
+            return None;
+        }
         let of_early = early.squares(self.band, early.bins_from(after_s)) / squares;
         let of_onset = all.squares(self.band, in_onset) / squares;
         Some([of_early, (of_onset - of_early).max(0.0)])

@@ -333,3 +333,43 @@ fn long_records_are_whole() {
     let refused = Figures::of_image_sources(&room, 343.0, 61.0);
     assert_eq!(refused, Err(ResponseError::BadLength { seconds: 61.0 }));
 }
+
+/// Protects rounds from panics, and from waves without end: a record that ends within its decay has no arrivals after it,
+/// and no number of waves reports its decay times.
+#[test]
+fn a_decay_without_arrivals_after_its_end_asks_for_no_waves() {
+    const BATCHES: usize = 16;
+    let mut echogram = Echogram::new(1e-3, BATCHES).expect("a good bin");
+    for bin in 0..60 {
+        let energy = 10_f64.powf(-0.01 * f64::from(bin));
+        for batch in 0..BATCHES {
+            let seconds = 1e-3 * (f64::from(bin) + 0.5);
+            let spread = 1.0 + 0.3 * (batch as f64 / BATCHES as f64 - 0.5);
+            echogram
+                .add(batch, seconds, &[spread * energy; BAND_COUNT], DVec3::X)
+                .unwrap();
+        }
+    }
+    let figures = Figures::new(&[], &echogram, Some(0.0), 0.5);
+    let record = Record::new(&[], &echogram, 0.5);
+    let early = echogram.without_arrivals();
+    for early_can_grow in [true, false] {
+        let parts = Parts {
+            early: &early,
+            early_can_grow,
+            onset_s: 0.02,
+        };
+        let demands = figures.demands(0.02, &record, Some(0.0), Some(parts));
+        let lacking: Vec<&Demand> = demands
+            .iter()
+            .filter(|demand| demand.least.factor > 0.0)
+            .collect();
+        let is_endless = |demand: &&&Demand| demand.least.factor.is_infinite();
+        assert!(
+            lacking.iter().any(|demand| is_endless(&demand)),
+            "{demands:?}"
+        );
+        let mut endless = lacking.iter().filter(is_endless);
+        assert!(endless.all(|demand| demand.factor() == 0.0 && !demand.is_open()));
+    }
+}

@@ -314,7 +314,6 @@ impl LateWaves<'_> {
     ) -> Result<Followed, Error> {
         let (pair, heard, solids) = (self.heard[0].pair, self.heard, self.solids);
         let early_order = self.how.early_order;
-        let has_near = self.sums.iter().any(Sums::has_near);
         let late = RefCell::new((&mut *self.sums, pilot));
         let mut early = self.early.as_deref_mut();
         let add = |arrival: &Arrival, kind: Kind| {
@@ -333,7 +332,7 @@ impl LateWaves<'_> {
                 (true, None) => return,
                 _ => (),
             }
-            match has_near && arrival.reflections <= early_order {
+            match arrival.reflections <= early_order {
                 true => add(&arrival, Kind::Near),
                 false => add(&arrival, Kind::Late),
             }

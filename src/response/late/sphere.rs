@@ -8,7 +8,7 @@
 //! volume. The radius therefore grows with the mean distance of the surfaces ([`scale`]).
 //!
 //! If a surface focuses sound, the same waves are also counted in an inner sphere, and the two are compared
-//! (`late/inner.rs`). If they differ too much, the inner sphere takes the place of the larger one. The sphere does not reach behind surfaces, because there may be another room (`late/reach.rs`). The
+//! (`late/inner.rs`). If the larger one is biased, the inner one takes its place. The sphere does not reach behind surfaces, because there may be another room (`late/reach.rs`). The
 //! walls of a `Room` are an exception, because nothing is behind them: the sphere reaches at most as far behind such a
 //! wall as the listener is in front of it. The energy is the mean over the unobstructed part of the sphere. The times
 //! are those of paths to its centre, as in the listener's own sphere.
@@ -126,11 +126,12 @@ impl LateSphere {
     }
 
     /// The sphere that takes the place of this one if it is biased: the inner sphere, whose arrivals are known, or else the
-    /// listener's own sphere.
+    /// listener's own sphere. An inner sphere as small as the listener's own has no errors either.
     pub fn narrower(&self, pair: Pair) -> LateSphere {
         match self.inner_m {
-            Some(inner_m) if inner_m > pair.listener.radius && !self.is_narrowed => LateSphere {
-                errors: Some(errors(pair.scene, inner_m, self.scale)),
+            Some(inner_m) if !self.is_narrowed => LateSphere {
+                errors: (inner_m > pair.listener.radius)
+                    .then(|| errors(pair.scene, inner_m, self.scale)),
                 is_narrowed: true,
                 ..*self
             },
@@ -145,12 +146,17 @@ impl LateSphere {
             .unwrap_or(self.radius_m)
     }
 
-    /// The bias of the figures relative to the difference between the two spheres.
+    /// The bias of the figures relative to the difference between the two spheres. For the larger sphere it is the
+    /// difference itself, with which its errors held in rooms with vaults.
     pub fn bias_of_difference(&self) -> f64 {
-        match self.is_narrowed {
-            // With the bias b(r) = k r^g, b(r) / (b(r / INNER) − b(r)).
-            true => 1.0 / (f64::from(INNER).powf(-GROWTH_OF_ERRORS) - 1.0),
-            false => 1.0,
+        match (self.is_narrowed, self.errors, self.inner_m) {
+            (false, ..) => 1.0,
+            (true, Some(_), Some(inner_m)) => {
+                // With the bias b(r) = k r^g of the spheres r and R: b(r) / (b(R) − b(r)).
+                let ratio = f64::from(self.radius_m / inner_m);
+                1.0 / (ratio.powf(GROWTH_OF_ERRORS) - 1.0)
+            }
+            (true, ..) => 0.0,
         }
     }
 
@@ -343,6 +349,18 @@ mod tests {
         assert!(error(&inner) < 0.4 * error(&wide));
         let own = inner.narrower(pair);
         assert!(own.counted_m() == 0.3 && own.errors.is_none());
+        // An inner sphere that is the listener's own is counted without other waves, and is not biased.
+        let small = Surface::new(crate::Shape::from(Sphere { radius: 2.5 }).complement());
+        let small = self::scene(vec![small], Vec3::ZERO);
+        let pair = small.only_pair().unwrap();
+        let usual = LateSphere::of(pair, 3, None);
+        let as_own = usual.narrower(pair);
+        assert!(usual.radius_m > 0.3 && as_own.is_narrowed, "{usual:?}");
+        assert_eq!(
+            (as_own.counted_m(), as_own.bias_of_difference()),
+            (0.3, 0.0)
+        );
+        assert!(as_own.errors.is_none());
         let bias = |radius_m: f32| f64::from(radius_m).powf(GROWTH_OF_ERRORS);
         let difference = bias(wide.counted_m()) - bias(inner.counted_m());
         let estimate = inner.bias_of_difference() * difference;

@@ -69,7 +69,7 @@ pub(super) enum Kind {
     Late,
     /// Arrivals that have passed solids and were not reflected.
     Straight,
-    /// Sound scattered after few reflections. Late if the same waves trace early arrivals.
+    /// Sound scattered after few reflections. It counts as late if the same waves trace early arrivals.
     Near,
 }
 
@@ -112,11 +112,6 @@ impl Sums {
             inner: one.late.inner_m.map(|_| wide.clone()),
             wide,
         }
-    }
-
-    /// Whether sound scattered after few reflections is counted separately.
-    pub fn has_near(&self) -> bool {
-        self.wide.near.is_some()
     }
 
     /// Adds an arrival.

@@ -165,7 +165,7 @@ pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
     let limited = listed_where(|band, figure| figures.is_limited(accuracy, band, figure));
     if !limited.is_empty() {
         texts.push(format!(
-            "± is above the accuracy of {percent} %, because the error is not noise, and more waves do not reduce it: {limited}"
+            "± is above the accuracy of {percent} %, because parts of the error are not noise, and more waves may not reduce them: {limited}"
         ));
     }
     texts

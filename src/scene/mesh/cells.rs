@@ -94,11 +94,13 @@ impl MeshCells {
     }
 
     /// Maximum turns of the loops over the cells on a line, their lists and the triangles of these (`hitMesh` in
-    /// `glsl/shape/mesh.glsl`). A free cell is a turn of two loops.
+    /// `glsl/shape/mesh.glsl`). A driver may count the turns of several lines together, each of which flies through
+    /// other free cells.
     pub fn turns_on_line(&self) -> u64 {
+        const LINES: u64 = 8;
         const TRIANGLES: u64 = 3;
         let cells = self.count.element_sum() as u64;
-        cells * (2 + self.longest_list as u64 * (1 + TRIANGLES))
+        cells * (1 + LINES + self.longest_list as u64 * (1 + TRIANGLES))
     }
 }
 

@@ -1,4 +1,5 @@
-//! Errors of triangle meshes and of rooms, whose walls are a mesh. Each message is one sentence with the number and the first place of a defect.
+//! Errors of triangle meshes and of rooms, whose walls are a mesh. Each message is one sentence with the number and the
+//! first place of a defect.
 
 use glam::{DVec3, Vec3};
 

@@ -75,7 +75,7 @@ impl Rooms {
     /// The union of these boxes.
     ///
     /// # Errors
-    /// [`MeshError`]: the box, and the problem with it.
+    /// [`MeshError`] with the box or the place, and the problem.
     pub fn new(boxes: impl IntoIterator<Item = AirBox>) -> Result<Rooms, MeshError> {
         let boxes: Vec<AirBox> = boxes.into_iter().collect();
         check(&boxes)?;
