@@ -305,10 +305,8 @@ impl<'a> Obstacles<'a> {
         (source, listener): (DVec3, DVec3),
     ) -> Vec<Reflection> {
         let points = [&[source], &path.points[..], &[listener]].concat();
-        let mut before_m = 0.0;
         let reflection = |(index, &surface): (usize, &u32)| {
             let [from, point, to] = [points[index], points[index + 1], points[index + 2]];
-            before_m += from.distance(point);
             let (towards, away) = (point - from, to - point);
             let (towards, away) = (towards.try_normalize()?, away.try_normalize()?);
             let normal = (away - towards).try_normalize()?;
@@ -317,13 +315,10 @@ impl<'a> Obstacles<'a> {
                 normal,
                 surface,
             };
-            self.early.are_flat(&[vertex]).then_some(Reflection {
-                point,
-                away,
-                normal,
-                before_m,
-                after_m: path.length_m - before_m,
-            })
+            match self.early.are_flat(&[vertex]) {
+                true => Reflection::on_way(&points, index + 1, normal),
+                false => None,
+            }
         };
         let surfaces = path.surfaces.iter().enumerate();
         surfaces.filter_map(reflection).collect()

@@ -2,9 +2,9 @@
 //!
 //! # Theory
 //! Pressures add: the energy behind an obstacle is that of the sum of all ways. Reflections that end at edges beside the
-//! ways add as energies, as they do in the light. Each way has a share of it in proportion
-//! to the energy that it would have alone. Where two ways are equally long, as on the axis of a pillar, both have the
-//! same share, so that no level and no direction jumps when a listener walks across the axis.
+//! ways add as energies, as they do in the light. Each way has a share of the whole energy in proportion to the energy
+//! that it would have alone. Where two ways are equally long, as on the axis of a pillar, both have the same share, so
+//! that no level and no direction jumps when a listener walks across the axis.
 //!
 //! At the boundary of the shadow the shortest way becomes the direct sound, which has the whole energy. The other ways
 //! therefore lose their shares to it there: with the least detour δ₀, a way with the detour δ counts by the factor

@@ -18,6 +18,7 @@
 
 use super::mirrored::on_face_m;
 use super::ring::{self, Detours, Samples, all_samples};
+use super::string::length;
 use super::tent::bisect;
 use crate::geometry::ExactScene;
 use glam::DVec3;
@@ -93,6 +94,20 @@ impl FaceRim {
 }
 
 impl Reflection {
+    /// The reflection at point `index` of a way from a source to a listener, both included. `normal` is that of the face.
+    /// `None` if the way has no direction there.
+    pub fn on_way(points: &[DVec3], index: usize, normal: DVec3) -> Option<Reflection> {
+        let (before, after) = (&points[..=index], &points[index..]);
+        let away = *after.get(1)? - after[0];
+        Some(Reflection {
+            point: after[0],
+            away: away.try_normalize()?,
+            normal,
+            before_m: length(before),
+            after_m: length(after),
+        })
+    }
+
     /// The detours over the ends of the face in all half-planes, from their distances in metres along a unit vector.
     ///
     /// The half-planes of the reverse path cut the face along the same lines.

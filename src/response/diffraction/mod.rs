@@ -252,16 +252,8 @@ impl DiffractedPath {
         speed: f64,
     ) -> DiffractedPath {
         let points = [&[source], &self.points[..], &[listener]].concat();
-        let reflections = self.reflections.iter().filter_map(|index| {
-            let (before, after) = (&points[..=index + 1], &points[index + 1..]);
-            Some(Reflection {
-                point: after[0],
-                away: (after[1] - after[0]).try_normalize()?,
-                normal,
-                before_m: string::length(before),
-                after_m: string::length(after),
-            })
-        });
+        let reflection = |index: &usize| Reflection::on_way(&points, index + 1, normal);
+        let reflections = self.reflections.iter().filter_map(reflection);
         let shares = within_faces(exact, &reflections.collect::<Vec<_>>(), speed);
         for (energy, share) in self.energy.iter_mut().zip(shares) {
             *energy *= share;
