@@ -1,7 +1,7 @@
 //! Checks the faces of a mesh, and makes a mesh with normals that point into the air.
 
 use super::edges::{Edges, part_count};
-use super::intersections::intersections;
+use super::intersections::{folds, intersections};
 use super::report::MeshReport;
 use super::{Inside, MOST_GROUPS, MOST_TRIANGLES, MeshError, MeshFaces, MeshOptions, TriangleMesh};
 use crate::scene::shape::{Bounds3, LARGEST};
@@ -82,6 +82,7 @@ pub(super) fn checked(
         cells: OnceLock::new(),
     };
     mesh.report.intersections = intersections(&mesh);
+    mesh.report.folds = folds(&mesh);
     Ok(mesh)
 }
 

@@ -1,8 +1,10 @@
-//! Pairs of triangles that intersect each other: an edge of one crosses the inner part of the other.
+//! Pairs of triangles that intersect each other, because an edge of one crosses the inner part of the other, and pairs
+//! that lie on each other behind a common edge.
 //!
-//! Triangles that only touch, such as furniture on a floor, do not intersect each other.
+//! Triangles that only touch, such as furniture on a floor, are neither.
 
 use super::TriangleMesh;
+use super::edges::{Edges, middle};
 use super::report::Defect;
 use super::triangle::Triangle;
 use glam::{DVec3, Vec3};
@@ -42,6 +44,27 @@ pub(super) fn intersections(mesh: &TriangleMesh) -> Defect {
         count,
         first: first.unwrap_or(Vec3::ZERO),
     }
+}
+
+/// The edges whose two faces lie on each other, back to back: edges of a sheet without thickness.
+pub(super) fn folds(mesh: &TriangleMesh) -> Defect {
+    let least = LEAST_DEPTH * mesh.extent();
+    let mut found = Defect::default();
+    for sides in Edges::of(&mesh.triangles).all() {
+        let [one, other] = sides else { continue };
+        let [front, back] = [one, other].map(|side| mesh.triangle(side.triangle));
+        let height = |of: &Triangle, corner: Vec3| {
+            let from = of.corners[0].as_dvec3();
+            of.exact_normal().dot(corner.as_dvec3() - from).abs()
+        };
+        let is_back_to_back = front.normal.dot(back.normal) < 0.0
+            && height(&front, back.corners[usize::from(other.opposite)]) <= least
+            && height(&back, front.corners[usize::from(one.opposite)]) <= least;
+        if is_back_to_back {
+            found.add(middle(sides, &mesh.vertices));
+        }
+    }
+    found
 }
 
 /// A point at which an edge of one triangle crosses the other.

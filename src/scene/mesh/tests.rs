@@ -140,6 +140,42 @@ fn defects_are_told() {
     assert!(matches!(mesh(band, None), Err(MeshError::OneSided { .. })));
 }
 
+/// Protects figures from sheets without thickness, in which waves are trapped: each outer edge is counted and told,
+/// however both sides are divided. A sheet of a millimetre, and a box that stands on another, have no such edges.
+#[test]
+fn sheets_without_thickness_are_told() {
+    let sheet = |back: [[u32; 3]; 2]| MeshFaces {
+        vertices: [(0.4, 0.8), (2.0, 0.8), (2.0, 1.6), (0.4, 1.6)]
+            .map(|(x, z)| DVec3::new(x, 0.72, z))
+            .to_vec(),
+        triangles: [[0, 2, 1], [0, 3, 2]].into_iter().chain(back).collect(),
+        group_of: vec![0; 4],
+        groups: vec!["sheet".to_owned()],
+        ..MeshFaces::default()
+    };
+    for back in [[[0, 1, 3], [1, 2, 3]], [[0, 1, 2], [0, 2, 3]]] {
+        let sheet = mesh(sheet(back), None).expect("a sheet");
+        assert_eq!(sheet.report().folds.count, 4);
+        let warnings = sheet.report().warnings();
+        assert!(
+            warnings.iter().any(|text| text.contains("thickness")),
+            "{warnings:?}"
+        );
+    }
+    let mut thick = box_faces(DVec3::new(1.6, 0.001, 0.8));
+    let lower = box_faces(DVec3::new(1.0, 0.2, 0.5));
+    let below = DVec3::new(0.0, -0.1005, 0.0);
+    thick
+        .vertices
+        .extend(lower.vertices.iter().map(|v| *v + below));
+    thick
+        .triangles
+        .extend(lower.triangles.iter().map(|t| t.map(|corner| corner + 8)));
+    thick.group_of.extend(lower.group_of);
+    let thick = mesh(thick, None).expect("a board on a box");
+    assert_eq!(thick.report().folds.count, 0);
+}
+
 /// A ball of triangles.
 fn ball(radius: f64, rings: u32) -> MeshFaces {
     let around = 2 * rings;
