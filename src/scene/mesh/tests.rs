@@ -140,10 +140,10 @@ fn defects_are_told() {
     assert!(matches!(mesh(band, None), Err(MeshError::OneSided { .. })));
 }
 
-/// Protects figures from sheets without thickness, in which waves are trapped: each outer edge is counted and told,
-/// however both sides are divided. A sheet of a millimetre, and a box that stands on another, have no such edges.
+/// Protects figures from sheets without thickness, in which waves are trapped: each outer edge is counted and
+/// reported, however both sides are divided. A sheet of a millimetre, and a box that stands on another, have no such edges.
 #[test]
-fn sheets_without_thickness_are_told() {
+fn sheets_without_thickness_are_reported() {
     let sheet = |back: [[u32; 3]; 2]| MeshFaces {
         vertices: [(0.4, 0.8), (2.0, 0.8), (2.0, 1.6), (0.4, 1.6)]
             .map(|(x, z)| DVec3::new(x, 0.72, z))
