@@ -141,7 +141,7 @@ fn defects_are_told() {
 }
 
 /// Protects figures from sheets without thickness, in which waves are trapped: each outer edge is counted and
-/// reported, however both sides are divided. A sheet of a millimetre, and a box that stands on another, have no such edges.
+/// reported, however both sides are divided. A sheet of a millimetre, and a box below a board, have no such edges.
 #[test]
 fn sheets_without_thickness_are_reported() {
     let sheet = |back: [[u32; 3]; 2]| MeshFaces {
