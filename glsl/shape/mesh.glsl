@@ -5,8 +5,8 @@
 //   cells:      four words a vector: -1 - n for the list at vector n; otherwise the skip distance in cells,
 //               plus 0.5 in the solid
 //   lists:      three indices of triangles (-1: none), and 1 if another vector follows
-//   triangles:  four vectors each: the unit normal into the air and the group; the corners, each with the length
-//               of the edge to the next corner
+//   triangles:  four vectors each: the unit normal into the air and the group, plus 0.5 for a face of a sheet
+//               without thickness; the corners, each with the length of the edge to the next corner
 
 const float EDGE_ROUNDING = 1.9073486e-6;   // 16 * 2^-23: error bound of a triple product, relative to its lengths
 const float HEIGHT_ROUNDING = 9.5367432e-7; // 8 * 2^-23: error bound of a height, relative to the distance
@@ -32,11 +32,17 @@ vec3 edgeProducts(vec3 d, vec3 a, vec3 b, vec3 c, vec3 bc, vec3 ca, vec3 ab) {
     return vec3(dot(d, cross(c, bc)), dot(d, cross(a, ca)), dot(d, cross(b, ab)));
 }
 
+// Whether air lies directly behind a triangle with this first vector.
+bool isSheet(vec4 face) {
+    return fract(face.w) > 0.25;
+}
+
 // Intersects the line from p along d with the triangle at index `at`, and keeps the nearest hit. The start may lie up
-// to errorBound metres behind the face. A product within its error bound counts as inside, so that no line passes
-// between two triangles.
+// to errorBound metres behind the face; a line that starts as near to a face of a sheet leaves the other face. A
+// product within its error bound counts as inside, so that no line passes between two triangles.
 void meetTriangle(int at, vec3 p, vec3 d, float errorBound, inout float nearest, inout float met) {
-    vec3 normal = sceneData(at).xyz;
+    vec4 face = sceneData(at);
+    vec3 normal = face.xyz;
     vec4 u = sceneData(at + 1);
     vec4 v = sceneData(at + 2);
     vec4 w = sceneData(at + 3);
@@ -53,7 +59,7 @@ void meetTriangle(int at, vec3 p, vec3 d, float errorBound, inout float nearest,
     float beyond = min(products.x, min(products.y, products.z)) < 0.0 ? 2.0 * inexact : 0.0;
     float t = (max(height, 0.0) + beyond) / max(speed, 1e-20);
     bool isInside = products.x >= least.x && products.y >= least.y && products.z >= least.z;
-    bool isAhead = speed > 0.0 && height >= -inexact;
+    bool isAhead = speed > 0.0 && height >= (isSheet(face) ? inexact : -inexact);
     if (isInside && isAhead && t < nearest) {
         nearest = t;
         met = float(at);
@@ -148,7 +154,7 @@ void projectMesh(vec3 p, vec3 d, float errorBound, out vec3 onto, out vec3 norma
     held /= held.x + held.y + held.z;
     onto = u.xyz + (all(greaterThanEqual(shares, least)) ? from : held.y * toB + held.z * toC);
     normal = plane.xyz;
-    meshGroup = plane.w;
+    meshGroup = floor(plane.w);
 }
 
 // The vector from p to the nearest point of the triangle a, b, c relative to p.
@@ -171,11 +177,12 @@ vec3 towardsTriangle(vec3 a, vec3 b, vec3 c) {
 // in front of or behind decides on which side p is.
 void nearerTriangle(int at, vec3 p, inout float nearest, inout float side) {
     const float ALIKE = 1e-5;   // of squared distances to a common edge or corner, relative
-    vec3 normal = sceneData(at).xyz;
+    vec4 face = sceneData(at);
     vec3 a = sceneData(at + 1).xyz - p;
     vec3 way = towardsTriangle(a, sceneData(at + 2).xyz - p, sceneData(at + 3).xyz - p);
     float squared = dot(way, way);
-    float height = -dot(normal, a);
+    float height = -dot(face.xyz, a);
+    height = isSheet(face) ? abs(height) : height;
     bool isNearer = squared < nearest * (1.0 - ALIKE);
     bool isAlike = squared <= nearest * (1.0 + ALIKE) && abs(height) > abs(side);
     side = isNearer || isAlike ? height : side;

@@ -66,8 +66,9 @@ pub(super) fn mesh_vectors(mesh: &TriangleMesh) -> Vec<Vec4> {
     data.extend(vectors.iter().map(|list| Vec4::from_array(*list)));
     for triangle in mesh.triangles() {
         let [a, b, c] = triangle.corners;
+        let sheet = if triangle.is_sheet { 0.5 } else { 0.0 };
         data.extend([
-            triangle.normal.extend(f32::from(triangle.group)),
+            triangle.normal.extend(f32::from(triangle.group) + sheet),
             a.extend((b - a).length()),
             b.extend((c - b).length()),
             c.extend((a - c).length()),

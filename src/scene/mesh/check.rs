@@ -1,8 +1,9 @@
 //! Checks the faces of a mesh, and makes a mesh with normals that point into the air.
 
 use super::edges::{Edges, part_count};
-use super::intersections::{folds, intersections};
-use super::report::MeshReport;
+use super::intersections::intersections;
+use super::report::{Defect, MeshReport};
+use super::sheets::sheets;
 use super::{Inside, MOST_GROUPS, MOST_TRIANGLES, MeshError, MeshFaces, MeshOptions, TriangleMesh};
 use crate::scene::shape::{Bounds3, LARGEST};
 use glam::{DVec3, Vec3};
@@ -44,11 +45,13 @@ pub(super) fn checked(
     if triangles.is_empty() {
         return Err(MeshError::Empty);
     }
+    report.area_m2 = triangles.iter().map(|t| area(&vertices, t)).sum();
     let volume = signed_volume(&vertices, &triangles);
-    let natural = if volume < 0.0 {
-        Inside::Air
-    } else {
-        Inside::Solid
+    // Sheets without thickness enclose no air.
+    let rounding = f64::from(f32::EPSILON) * largest(&vertices) * report.area_m2;
+    let natural = match volume < -rounding {
+        true => Inside::Air,
+        false => Inside::Solid,
     };
     let inside = options.inside.unwrap_or(natural);
     report.is_hollow = inside == Inside::Air;
@@ -59,7 +62,6 @@ pub(super) fn checked(
             .for_each(|triangle| triangle.swap(1, 2));
     }
     report.volume_m3 = volume.abs();
-    report.area_m2 = triangles.iter().map(|t| area(&vertices, t)).sum();
     report.vertices = vertices.len();
     report.triangles = triangles.len();
     report.parts = part_count(vertices.len(), &triangles);
@@ -72,6 +74,7 @@ pub(super) fn checked(
         options,
         normals: triangles.iter().map(normal).collect(),
         vertices,
+        is_sheet: vec![false; triangles.len()],
         triangles,
         group_of,
         groups: faces.groups,
@@ -82,7 +85,13 @@ pub(super) fn checked(
         cells: OnceLock::new(),
     };
     mesh.report.intersections = intersections(&mesh);
-    mesh.report.folds = folds(&mesh);
+    mesh.is_sheet = sheets(&mesh);
+    let mut found = Defect::default();
+    for triangle in mesh.triangles().filter(|triangle| triangle.is_sheet) {
+        let [a, b, c] = triangle.corners;
+        found.add((a + b + c) / 3.0);
+    }
+    mesh.report.sheets = found;
     Ok(mesh)
 }
 
@@ -206,8 +215,7 @@ fn drop_slivers(
     group_of: &mut Vec<u8>,
     report: &mut MeshReport,
 ) {
-    let largest = vertices.iter().map(|v| v.abs().max_element());
-    let least = LEAST_HEIGHT * f64::from(largest.fold(0.0, f32::max));
+    let least = LEAST_HEIGHT * largest(vertices);
     let is_kept = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|at| vertices[at as usize].as_dvec3());
         let longest = (b - a).length().max((c - b).length()).max((a - c).length());
@@ -221,6 +229,12 @@ fn drop_slivers(
     triangles.retain(|_| kept.next() == Some(&true));
     let mut kept = keep.iter();
     group_of.retain(|_| kept.next() == Some(&true));
+}
+
+/// The largest coordinate in metres.
+fn largest(vertices: &[Vec3]) -> f64 {
+    let coordinates = vertices.iter().map(|v| v.abs().max_element());
+    f64::from(coordinates.fold(0.0, f32::max))
 }
 
 /// Twice the area of a triangle, along its normal.

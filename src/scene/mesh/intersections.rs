@@ -1,18 +1,16 @@
-//! Pairs of triangles that intersect each other, because an edge of one crosses the inner part of the other, and pairs
-//! that lie on each other behind a common edge.
+//! Pairs of triangles that intersect each other: an edge of one crosses the inner part of the other.
 //!
-//! Triangles that only touch, such as furniture on a floor, are neither.
+//! Triangles that only touch, such as furniture on a floor, do not.
 
 use super::TriangleMesh;
-use super::edges::{Edges, middle};
 use super::report::Defect;
 use super::triangle::Triangle;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Least depth of an intersection, as a share of the largest coordinate: some tens of units in the last place of that
 /// coordinate in `f32`, in which corners are stored.
-const LEAST_DEPTH: f64 = 32.0 * f32::EPSILON as f64;
+pub(super) const LEAST_DEPTH: f64 = 32.0 * f32::EPSILON as f64;
 
 /// The pairs of triangles that intersect each other, each once.
 pub(super) fn intersections(mesh: &TriangleMesh) -> Defect {
@@ -46,27 +44,6 @@ pub(super) fn intersections(mesh: &TriangleMesh) -> Defect {
     }
 }
 
-/// The edges whose two faces lie on each other, back to back: edges of a sheet without thickness.
-pub(super) fn folds(mesh: &TriangleMesh) -> Defect {
-    let least = LEAST_DEPTH * mesh.extent();
-    let mut found = Defect::default();
-    for sides in Edges::of(&mesh.triangles).all() {
-        let [one, other] = sides else { continue };
-        let [front, back] = [one, other].map(|side| mesh.triangle(side.triangle));
-        let height = |of: &Triangle, corner: Vec3| {
-            let from = of.corners[0].as_dvec3();
-            of.exact_normal().dot(corner.as_dvec3() - from).abs()
-        };
-        let is_back_to_back = front.normal.dot(back.normal) < 0.0
-            && height(&front, back.corners[usize::from(other.opposite)]) <= least
-            && height(&back, front.corners[usize::from(one.opposite)]) <= least;
-        if is_back_to_back {
-            found.add(middle(sides, &mesh.vertices));
-        }
-    }
-    found
-}
-
 /// A point at which an edge of one triangle crosses the other.
 fn crossing(one: &Triangle, other: &Triangle, least: f64) -> Option<Vec3> {
     edge_through(one, other, least).or_else(|| edge_through(other, one, least))
@@ -75,9 +52,8 @@ fn crossing(one: &Triangle, other: &Triangle, least: f64) -> Option<Vec3> {
 /// A point at which an edge of `from` crosses the inner part of `through`, more than `least` metres from its edges.
 fn edge_through(from: &Triangle, through: &Triangle, least: f64) -> Option<Vec3> {
     let normal = through.exact_normal();
-    let [a, b, c] = through.corners.map(|corner| corner.as_dvec3());
-    let ends = from.corners.map(|corner| corner.as_dvec3());
-    let heights = ends.map(|end| normal.dot(end - a));
+    let ends = from.exact_corners();
+    let heights = ends.map(|end| normal.dot(end - through.exact_corners()[0]));
     for (start, end) in [(0, 1), (1, 2), (2, 0)] {
         let (low, high) = (
             heights[start].min(heights[end]),
@@ -88,11 +64,7 @@ fn edge_through(from: &Triangle, through: &Triangle, least: f64) -> Option<Vec3>
         }
         let share = heights[start] / (heights[start] - heights[end]);
         let place = ends[start].lerp(ends[end], share);
-        let depth = |from: DVec3, to: DVec3| {
-            let inward = normal.cross(to - from).normalize_or_zero();
-            inward.dot(place - from)
-        };
-        if depth(a, b) > least && depth(b, c) > least && depth(c, a) > least {
+        if through.depth(place) > least {
             return Some(place.as_vec3());
         }
     }

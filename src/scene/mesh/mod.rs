@@ -11,7 +11,8 @@
 //! # Exactness
 //! Lines meet the triangles themselves (`triangle.rs`): the end of a flight is exact to rounding, and no line passes
 //! between two triangles with a common edge. The distance is that to the nearest triangle, with the sign of the angle
-//! weighted pseudonormal (Bærentzen and Aanæs 2005, `tree.rs`). A GPU finds the triangles on a line by a grid of cells
+//! weighted pseudonormal (Bærentzen and Aanæs 2005, `tree.rs`). Sheets without thickness, drawn as two faces in one
+//! place, reflect on both sides (`sheets.rs`). A GPU finds the triangles on a line by a grid of cells
 //! (`cells.rs`).
 //!
 //! # Cost
@@ -30,6 +31,7 @@ mod read_gltf;
 #[cfg(feature = "meshes")]
 mod read_obj;
 mod report;
+mod sheets;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -104,6 +106,8 @@ pub struct TriangleMesh {
     groups: Vec<String>,
     /// Unit normals of the triangles, into the air.
     normals: Vec<Vec3>,
+    /// Whether air lies directly behind each triangle.
+    is_sheet: Vec<bool>,
     report: MeshReport,
     bounds: Bounds3,
     tree: OnceLock<Tree>,
@@ -198,6 +202,7 @@ impl TriangleMesh {
             corners,
             normal: self.normals[index],
             group: self.group_of[index],
+            is_sheet: self.is_sheet[index],
         }
     }
 

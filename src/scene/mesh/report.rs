@@ -61,8 +61,8 @@ pub struct MeshReport {
     pub crowded_edges: Defect,
     /// Pairs of triangles that intersect each other.
     pub intersections: Defect,
-    /// Edges whose two faces lie on each other, back to back: edges of a sheet without thickness.
-    pub folds: Defect,
+    /// Triangles on whose back another face lies, with air behind: faces of sheets without thickness.
+    pub sheets: Defect,
 }
 
 /// Size of a bounding box in metres above which the unit of the file is probably not the metre.
@@ -97,12 +97,6 @@ impl MeshReport {
             "pair of triangles intersects",
             "pairs of triangles intersect",
             "each other: sound is reflected by the first face that it meets from the air side",
-        );
-        tell(
-            &self.folds,
-            "edge joins",
-            "edges join",
-            "two faces that lie on each other: waves are trapped in such a sheet without thickness, and figures are wrong; give it a thickness of at least a millimetre",
         );
         let size = self.size_m.max_element();
         if !(SMALLEST_USUAL_M..=LARGEST_USUAL_M).contains(&size) {
@@ -173,6 +167,13 @@ impl fmt::Display for MeshReport {
                 f,
                 "shared edges  {} with more than two faces",
                 self.crowded_edges.count
+            )?;
+        }
+        if self.sheets.count > 0 {
+            writeln!(
+                f,
+                "sheets        {} triangles without thickness",
+                self.sheets.count
             )?;
         }
         Ok(())

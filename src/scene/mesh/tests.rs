@@ -140,40 +140,111 @@ fn defects_are_told() {
     assert!(matches!(mesh(band, None), Err(MeshError::OneSided { .. })));
 }
 
-/// Protects figures from sheets without thickness, in which waves are trapped: each outer edge is counted and
-/// reported, however both sides are divided. A sheet of a millimetre, and a box below a board, have no such edges.
-#[test]
-fn sheets_without_thickness_are_reported() {
-    let sheet = |back: [[u32; 3]; 2]| MeshFaces {
-        vertices: [(0.4, 0.8), (2.0, 0.8), (2.0, 1.6), (0.4, 1.6)]
-            .map(|(x, z)| DVec3::new(x, 0.72, z))
+/// Adds the faces of another mesh, moved by a vector, as faces of group 0.
+fn add(faces: &mut MeshFaces, other: &MeshFaces, by: DVec3) {
+    let first = faces.vertices.len() as u32;
+    faces
+        .vertices
+        .extend(other.vertices.iter().map(|v| *v + by));
+    let placed = other
+        .triangles
+        .iter()
+        .map(|t| t.map(|corner| first + corner));
+    faces.triangles.extend(placed);
+    faces.group_of.extend(vec![0; other.triangles.len()]);
+}
+
+/// A rectangle of 1.6 m × 0.8 m about the origin, drawn on both sides. The lower side has these triangles.
+fn sheet(below: [[u32; 3]; 2]) -> MeshFaces {
+    MeshFaces {
+        vertices: [(-0.8, -0.4), (0.8, -0.4), (0.8, 0.4), (-0.8, 0.4)]
+            .map(|(x, z)| DVec3::new(x, 0.0, z))
             .to_vec(),
-        triangles: [[0, 2, 1], [0, 3, 2]].into_iter().chain(back).collect(),
+        triangles: [[0, 2, 1], [0, 3, 2]].into_iter().chain(below).collect(),
         group_of: vec![0; 4],
         groups: vec!["sheet".to_owned()],
         ..MeshFaces::default()
-    };
-    for back in [[[0, 1, 3], [1, 2, 3]], [[0, 1, 2], [0, 2, 3]]] {
-        let sheet = mesh(sheet(back), None).expect("a sheet");
-        assert_eq!(sheet.report().folds.count, 4);
-        let warnings = sheet.report().warnings();
-        assert!(
-            warnings.iter().any(|text| text.contains("thickness")),
-            "{warnings:?}"
-        );
     }
-    let mut thick = box_faces(DVec3::new(1.6, 0.001, 0.8));
-    let lower = box_faces(DVec3::new(1.0, 0.2, 0.5));
-    let below = DVec3::new(0.0, -0.1005, 0.0);
-    thick
-        .vertices
-        .extend(lower.vertices.iter().map(|v| *v + below));
-    thick
+}
+
+/// A room of 4 m × 3 m × 5 m about the origin.
+fn room() -> MeshFaces {
+    let mut faces = box_faces(DVec3::new(4.0, 3.0, 5.0));
+    faces.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    faces
+}
+
+/// Protects both sides of a sheet without thickness, however it is divided, in the open and in a room, and with a box on
+/// it: all its faces are known, lines leave it from either side, and air lies on both sides.
+#[test]
+fn faces_of_sheets_without_thickness_are_known() {
+    let lamp = box_faces(DVec3::new(0.2, 0.3, 0.2));
+    for below in [[[0, 1, 3], [1, 2, 3]], [[0, 1, 2], [0, 2, 3]]] {
+        for (name, mut faces, has_lamp) in [
+            ("open", sheet(below), false),
+            ("in a room", room(), false),
+            ("below a box", room(), true),
+        ] {
+            let before = faces.triangles.len() as u32;
+            if name != "open" {
+                add(&mut faces, &sheet(below), DVec3::ZERO);
+            }
+            if has_lamp {
+                add(&mut faces, &lamp, DVec3::new(0.1, 0.15, 0.05));
+            }
+            let mesh = mesh(faces, None).expect("a mesh");
+            let sheets = (0..mesh.triangle_count() as u32).filter(|i| mesh.triangle(*i).is_sheet);
+            let first = if name == "open" { 0 } else { before };
+            assert_eq!(
+                sheets.collect::<Vec<_>>(),
+                (first..first + 4).collect::<Vec<_>>(),
+                "{name}"
+            );
+            assert_eq!(mesh.report().sheets.count, 4);
+            for side in [-1.0, 1.0] {
+                let place = DVec3::new(-0.5, 0.0, 0.1);
+                let met = mesh.first_hit(place, DVec3::Y * side, 1e-12, 1.0);
+                assert_eq!(met, None, "{name}");
+                let met = mesh.first_hit(place + DVec3::Y * side, -DVec3::Y * side, 1e-12, 2.0);
+                assert_eq!(met.map(|(t, _)| t), Some(1.0), "{name}");
+                let above = place + DVec3::Y * (0.01 * side);
+                assert!((mesh.distance(above) - 0.01).abs() < 1e-12, "{name}");
+            }
+        }
+    }
+}
+
+/// Protects thin boards, boxes on a floor, and a rug drawn on both sides on a floor from being taken for sheets: only
+/// the lower side of the rug, which no wave may meet, has air behind it. All faces of a ball drawn on both sides have.
+#[test]
+fn sheets_are_told_from_solids_that_touch() {
+    let sheets = |faces| mesh(faces, None).expect("a mesh").report().sheets.count;
+    let mut board = box_faces(DVec3::new(1.6, 0.001, 0.8));
+    add(
+        &mut board,
+        &box_faces(DVec3::new(1.0, 0.2, 0.5)),
+        DVec3::new(0.0, -0.1005, 0.0),
+    );
+    assert_eq!(sheets(board), 0);
+    let on_floor = |other: &MeshFaces, height: f64| {
+        let mut faces = room();
+        add(&mut faces, other, DVec3::new(0.2, -1.5 + height, 0.3));
+        sheets(faces)
+    };
+    let mut both = ball(1.0, 7);
+    let back: Vec<[u32; 3]> = both
         .triangles
-        .extend(lower.triangles.iter().map(|t| t.map(|corner| corner + 8)));
-    thick.group_of.extend(lower.group_of);
-    let thick = mesh(thick, None).expect("a board on a box");
-    assert_eq!(thick.report().folds.count, 0);
+        .iter()
+        .map(|[a, b, c]| [*a, *c, *b])
+        .collect();
+    both.group_of.extend(vec![0; back.len()]);
+    both.triangles.extend(back);
+    let both = mesh(both, None).expect("a mesh");
+    assert_eq!(both.report().sheets.count, both.triangle_count());
+    let chest = box_faces(DVec3::new(1.0, 0.5, 0.5));
+    assert_eq!(on_floor(&chest, 0.25), 0);
+    let rug = sheet([[0, 1, 3], [1, 2, 3]]);
+    assert_eq!(on_floor(&rug, 0.0), 2);
 }
 
 /// A ball of triangles.

@@ -159,7 +159,7 @@ impl Tree {
         };
         let normal = self.pseudonormal(mesh, index, part);
         let side = (p - place).dot(normal);
-        if side < 0.0 {
+        if side < 0.0 && !mesh.is_sheet[index as usize] {
             -nearest.sqrt()
         } else {
             nearest.sqrt()
@@ -252,6 +252,22 @@ impl Tree {
         while let Some(at) = waiting.pop() {
             let node = self.nodes[at];
             if !(node.min.cmple(max).all() && min.cmple(node.max).all()) {
+                continue;
+            }
+            match node.count {
+                0 => waiting.extend([node.first as usize, node.first as usize + 1]),
+                _ => self.leaf(node).iter().copied().for_each(&mut visit),
+            }
+        }
+    }
+
+    /// Calls `visit` with each triangle whose box the line from `o` along the unit vector `d` enters.
+    pub fn each_on_line(&self, o: DVec3, d: DVec3, mut visit: impl FnMut(u32)) {
+        let inverse = d.recip();
+        let mut waiting = vec![0];
+        while let Some(at) = waiting.pop() {
+            let node = self.nodes[at];
+            if node.entry(o, inverse, 0.0).is_none() {
                 continue;
             }
             match node.count {

@@ -24,32 +24,59 @@ pub(crate) struct Triangle {
     pub normal: Vec3,
     /// Index of the group.
     pub group: u8,
+    /// Whether air lies directly behind the face (`sheets.rs`).
+    pub is_sheet: bool,
 }
 
 impl Triangle {
-    fn corners_f64(&self) -> [DVec3; 3] {
+    /// The corners in `f64`, in metres.
+    pub fn exact_corners(&self) -> [DVec3; 3] {
         self.corners.map(|corner| corner.as_dvec3())
     }
 
     /// The unit normal in `f64`.
     pub fn exact_normal(&self) -> DVec3 {
-        let [a, b, c] = self.corners_f64();
+        let [a, b, c] = self.exact_corners();
         let cross = (b - a).cross(c - a);
         cross.normalize_or(self.normal.as_dvec3())
     }
 
+    /// The triangle with its other side towards the air.
+    pub fn reversed(&self) -> Triangle {
+        let [a, b, c] = self.corners;
+        Triangle {
+            corners: [a, c, b],
+            normal: -self.normal,
+            ..*self
+        }
+    }
+
+    /// Least distance in metres of a point of the plane from an edge; negative outside of the triangle.
+    pub fn depth(&self, place: DVec3) -> f64 {
+        let normal = self.exact_normal();
+        let [a, b, c] = self.exact_corners();
+        let depth = |(from, to): (DVec3, DVec3)| {
+            let inward = normal.cross(to - from).normalize_or_zero();
+            inward.dot(place - from)
+        };
+        let depths = [(a, b), (b, c), (c, a)].map(depth);
+        depths.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
     /// Distance in metres along the unit vector `d` from `o` to the triangle; `None` if the line misses the triangle or
-    /// comes from the solid. The start may lie up to `error_bound` metres behind the plane.
+    /// comes from the solid. The start may lie up to `error_bound` metres behind the plane. It lies at least as far in
+    /// front of a face of a sheet: a line that starts nearer leaves the other face.
     pub fn hit(&self, o: DVec3, d: DVec3, error_bound: f64) -> Option<f64> {
         let normal = self.exact_normal();
         let speed = -normal.dot(d);
         if speed <= 0.0 {
             return None;
         }
-        let [a, b, c] = self.corners_f64().map(|corner| corner - o);
+        let [a, b, c] = self.exact_corners().map(|corner| corner - o);
         let far = a.length().max(b.length()).max(c.length());
         let height = -normal.dot(a);
-        if height < -(error_bound + HEIGHT_ROUNDING * far) {
+        let inexact = error_bound + HEIGHT_ROUNDING * far;
+        if height < if self.is_sheet { inexact } else { -inexact } {
             return None;
         }
         let passes = |(product, edge): (f64, DVec3)| {
@@ -64,14 +91,14 @@ impl Triangle {
 
     /// The edges opposite of each corner.
     fn edges(&self) -> [DVec3; 3] {
-        let [a, b, c] = self.corners_f64();
+        let [a, b, c] = self.exact_corners();
         [b - c, c - a, a - b]
     }
 
     /// The triple products of the line with the edges opposite of each corner: positive inside. They are in proportion
     /// to the weights of the corners.
     fn products(&self, o: DVec3, d: DVec3) -> [f64; 3] {
-        let [a, b, c] = self.corners_f64().map(|corner| corner - o);
+        let [a, b, c] = self.exact_corners().map(|corner| corner - o);
         let [bc, ca, ab] = self.edges();
         [d.dot(c.cross(bc)), d.dot(a.cross(ca)), d.dot(b.cross(ab))]
     }
@@ -79,7 +106,7 @@ impl Triangle {
     /// The point at which the line from `o` along `d` meets the triangle, moved onto the triangle and at least `inset`
     /// metres away from its edges.
     pub fn place(&self, o: DVec3, d: DVec3, inset: f64) -> DVec3 {
-        let [a, b, c] = self.corners_f64();
+        let [a, b, c] = self.exact_corners();
         let (to_b, to_c) = (b - a, c - a);
         let across = to_b.cross(to_c);
         let squared = across.length_squared();
@@ -102,7 +129,7 @@ impl Triangle {
 
     /// The point of the triangle nearest to `p`, and the part of the triangle that contains it.
     pub fn nearest(&self, p: DVec3) -> (DVec3, Part) {
-        nearest_of(self.corners_f64(), p)
+        nearest_of(self.exact_corners(), p)
     }
 }
 
