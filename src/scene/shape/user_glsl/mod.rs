@@ -12,6 +12,7 @@
 //! The command `echomarch cost` analyses whole shaders with the same preprocessor, without limits.
 
 pub(super) mod derivative;
+mod loops;
 mod preprocess;
 #[cfg(test)]
 mod tests;
@@ -60,7 +61,7 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     let tokens = preprocess::preprocess(&tokens, MOST_TOKENS)?;
     let tokens = leave_out_precisions(&tokens);
     let declared = check(&tokens)?;
-    check_loops(&tokens)?;
+    loops::check(&tokens)?;
     let renamed = Renamed::new(&tokens, &declared.globals);
     Ok(Text {
         states_gradient: declared.states_gradient,
@@ -304,110 +305,4 @@ fn is_of_a_point(tokens: &[Token], [of_type, name]: [&str; 2]) -> bool {
         .all(|word| inside.next() == Some(word));
     let kind = inside.find(|word| !matches!(*word, "const" | "in" | "highp" | "mediump" | "lowp"));
     opens && kind == Some("vec3")
-}
-
-/// Rejects loops that visibly never end: `while (true)` and similar loops without a `break` or a `return`. Loops whose
-/// condition is computed at run time are tested by the trial run.
-///
-/// The trial run cannot find all infinite loops. Software renderers end a loop after 65,536 iterations, and a compiler
-/// removes a loop whose result is not used.
-fn check_loops(tokens: &[Token]) -> Result<(), Refusal> {
-    let endless = (0..tokens.len()).find(|&at| is_endless(tokens, at));
-    match endless {
-        None => Ok(()),
-        Some(at) => Err((
-            Some(tokens[at].line),
-            "this loop never ends: its condition is always true, and there is neither a `break` \
-             nor a `return` in it"
-                .to_owned(),
-        )),
-    }
-}
-
-/// Whether an infinite loop begins at this token, or ends with the `while` at this token.
-fn is_endless(tokens: &[Token], at: usize) -> bool {
-    let is_for = tokens[at].is("for");
-    if !is_for && !tokens[at].is("while") {
-        return false;
-    }
-    // A loop needs a condition in brackets. The driver reports a missing condition.
-    if !tokens.get(at + 1).is_some_and(|next| next.is("(")) {
-        return false;
-    }
-    let Some(close) = closing(tokens, at + 1) else {
-        return false;
-    };
-    let said = &tokens[at + 2..close];
-    let is_always = if is_for { condition(said) } else { said };
-    if !is_true(is_always, is_for) {
-        return false;
-    }
-    let body = match tokens.get(close + 1) {
-        Some(next) if next.is(";") && !is_for => done_before(tokens, at),
-        _ => statement(tokens, close + 1),
-    };
-    !body.iter().any(|t| t.is("break") || t.is("return"))
-}
-
-/// The part of a `for` statement between its two semicolons.
-fn condition<'a, 'b>(said: &'a [Token<'b>]) -> &'a [Token<'b>] {
-    said.split(|token| token.is(";")).nth(1).unwrap_or(said)
-}
-
-/// Whether a condition is `true`. An empty condition of a `for` also counts as true.
-fn is_true(condition: &[Token], is_for: bool) -> bool {
-    let mut words = condition.iter().filter(|t| !t.is("(") && !t.is(")"));
-    match words.next() {
-        None => is_for,
-        Some(word) => word.is("true") && words.next().is_none(),
-    }
-}
-
-/// The position of the bracket that closes the bracket at `open`, if it is closed.
-fn closing(tokens: &[Token], open: usize) -> Option<usize> {
-    let mut depth = 0usize;
-    for (at, token) in tokens.iter().enumerate().skip(open) {
-        match token.text {
-            "(" | "{" | "[" => depth += 1,
-            ")" | "}" | "]" => depth = depth.checked_sub(1)?,
-            _ => (),
-        }
-        if depth == 0 {
-            return Some(at);
-        }
-    }
-    None
-}
-
-/// The block that begins at `at`, or the tokens up to the next semicolon.
-fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
-    let rest = tokens.get(at..).unwrap_or_default();
-    if rest.first().is_some_and(|token| token.is("{")) {
-        let end = closing(tokens, at).unwrap_or(tokens.len());
-        return &tokens[at..end];
-    }
-    // The end of a nested statement with a block is not determined, as in `while (true) if (…) {…}`.
-    let end = rest.iter().position(|t| t.is(";") || t.is("}"));
-    match end {
-        Some(end) if !rest[..end].iter().any(|t| t.is("{")) => &rest[..end],
-        _ => tokens,
-    }
-}
-
-/// The block of the `do {…} while` whose `while` is at `at`; empty for a `while` without `do`.
-fn done_before<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
-    let mut depth = 0usize;
-    for start in (0..at).rev() {
-        match tokens[start].text {
-            "}" => depth += 1,
-            "{" if depth == 1 => {
-                let is_do = start > 0 && tokens[start - 1].is("do");
-                return if is_do { &tokens[start..at] } else { &[] };
-            }
-            "{" => depth -= 1,
-            _ if depth == 0 => return &[],
-            _ => (),
-        }
-    }
-    &[]
 }

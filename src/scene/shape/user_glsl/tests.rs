@@ -304,6 +304,12 @@ fn a_loop_without_an_end_is_refused_with_its_line() {
         "for (int k = 0; ; k++) a += 1.0;",
         "for (; true; ) { }",
         "do { a += 1.0; } while (true);",
+        "while (a < 1.0) { }",
+        "while (a < 1.0) { i++; float b = a; }",
+        "while (sin(p.x) < 2.0 * p[0]) { a += p.y; }",
+        "for (int k = 0; k < 4; ) { a += float(k); }",
+        "for (int k = 0; k < 4; i++) { a = max(a, p.x); }",
+        "do { a += 1.0; } while (p.x <= 1.0);",
     ] {
         let (line, why) = read(&with_body(body)).expect_err(body);
         assert_eq!(line, Some(3), "{body}");
@@ -325,6 +331,14 @@ fn a_loop_that_can_be_left_is_taken() {
         "do { if (i++ > 5) { break; } } while (true);",
         "{ a = 1.0; } while (a < 3.0) a += 1.0;",
         "bool t = true; while (i < 3) { i++; }",
+        "while (a < 3.0) --a;",
+        "vec3 q = p; while (q.x < 3.0) { q *= 2.0; }",
+        "vec3 q = p; while (q.x < 3.0) { q.xy += 2.0; }",
+        "vec3 q = p; while (q.x < 3.0) { q[i] = 2.0; }",
+        "while (a < 3.0) { (a) += 2.0; }",
+        "while (i++ < 3) { }",
+        "while (a < 3.0) { float b = modf(p.x, a); }",
+        "while (a < 3.0) if (i > 2) { a += 2.0; }",
         // Invalid GLSL that the driver reports.
         "while; for a; do {} while 1; while",
     ] {
