@@ -2,6 +2,7 @@
 
 use super::encoder::{Encoder, MOST_CHANNELS, Planes};
 use super::fit::{CHUNK, EARS};
+use super::head::response_length;
 use super::messages::{MESSAGES_PER_SOURCE, Message, SPARE_VOICES};
 use super::network::Network;
 use super::taps::Hearing;
@@ -106,14 +107,14 @@ struct Slot {
 }
 
 impl Slot {
-    /// A free voice for sounds with delays of up to `longest` samples.
-    fn new(longest: usize, rate_hz: u32) -> Slot {
+    /// A free voice for sounds with delays of up to `longest` samples, and responses of `head` samples (0: no head).
+    fn new(longest: usize, rate_hz: u32, head: usize) -> Slot {
         Slot {
             id: None,
             is_gone: false,
             last: 0.0,
             share: 0.0,
-            voice: Voice::new(longest, rate_hz),
+            voice: Voice::new(longest, rate_hz, head),
         }
     }
 
@@ -183,7 +184,11 @@ impl Mix {
         let (to_inbox, inbox) = RingBuffer::new(capacity);
         let (outbox, from_outbox) = RingBuffer::new(capacity);
         let longest = (spec.longest_s * f64::from(spec.rate_hz)) as usize;
-        let slot = |_| Slot::new(longest, spec.rate_hz);
+        let head = match encoder.has_responses() {
+            true => response_length(spec.rate_hz),
+            false => 0,
+        };
+        let slot = |_| Slot::new(longest, spec.rate_hz, head);
         let mix = Mix {
             inbox,
             outbox,
@@ -317,6 +322,7 @@ impl Mix {
             ears,
             late,
             channels,
+            ..
         } = &mut *self.output;
         ears[..frames].fill([[0.0; 4]; EARS]);
         late[..frames].fill([[0.0; 4]]);
@@ -340,6 +346,7 @@ impl Mix {
             ears,
             late,
             channels,
+            ..
         } = &*self.output;
         let sum = |frame: &[f32; 4]| frame[0] + frame[1] + (frame[2] + frame[3]);
         for (sum_of_bands, [late]) in self.late[..frames].iter_mut().zip(late) {

@@ -1,16 +1,13 @@
 //! The format of the ears: the delays and gains of each channel by the direction of the sound.
 
 use super::SimulatorError;
-use super::fit::{CHUNK, EARS, Fit, Frame};
-use crate::bands::{BANDS_HZ, Bands};
-use crate::hrtf::{Hrir, HrirSet, IndexedFacets};
+use super::fit::{CHUNK, EARS, Frame};
+use super::head::{Analysis, Heads};
+use crate::hrtf::HrirSet;
 use crate::response::{AmbisonicOrder, Encoding, ListenerAxes};
-use crate::sampling::lattice;
 use glam::{DVec2, DVec3, Quat};
-use num_complex::Complex64;
-use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
-use std::thread;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 /// Maximum number of channels: those of ambisonics of the third order.
 pub(super) const MOST_CHANNELS: usize = 16;
@@ -28,7 +25,7 @@ pub enum EarsFormat {
     /// Two loudspeakers, left and right, with constant power. Front and back are the same.
     #[default]
     Stereo,
-    /// Headphones: direct ways and echoes have the delays of both ears, and their levels by octave.
+    /// Headphones: direct ways have the responses of both ears, echoes the delays of both ears and their levels by octave.
     Binaural(Arc<HrirSet>),
     /// Ambisonics of an order up to 3 in the convention AmbiX: channels in the order ACN with the normalisation SN3D, in
     /// the axes of the head. Horizontal and vertical directions are encoded.
@@ -90,6 +87,8 @@ pub(super) struct Encoded {
     pub delays_s: [f64; EARS],
     /// Gains of the bands at each ear.
     pub ears: [Frame; EARS],
+    /// Time in seconds from the first sample of the ears' responses to their onset.
+    pub lead_s: f64,
     /// Gains of the channels, for formats without ears.
     pub channels: Gains,
 }
@@ -98,7 +97,7 @@ pub(super) struct Encoded {
 pub(super) enum Encoder {
     /// Panned with constant power.
     Stereo,
-    /// The levels by octave and the delays of a head's responses. Finer features of the spectra are left out.
+    /// A head's responses for direct ways, and their delays and levels by octave for echoes.
     Binaural(Analysis),
     /// By gains of all channels.
     Ambisonics(AmbisonicOrder),
@@ -106,6 +105,20 @@ pub(super) enum Encoder {
 }
 
 impl Encoder {
+    /// The encoder of a format. That of a head is ready when the head is analysed.
+    ///
+    /// # Errors
+    /// The errors of [`Heads::head`].
+    pub fn of(format: &EarsFormat, rate_hz: u32, heads: &Heads) -> Result<Encoder, SimulatorError> {
+        Ok(match format {
+            EarsFormat::Stereo => Encoder::Stereo,
+            EarsFormat::Binaural(set) => Encoder::Binaural(heads.head(set, rate_hz)?),
+            EarsFormat::Ambisonics(order) => Encoder::Ambisonics(*order),
+            EarsFormat::Surround51 => Encoder::Surround(SPEAKERS_51),
+            EarsFormat::Surround71 => Encoder::Surround(SPEAKERS_71),
+        })
+    }
+
     /// Whether the head is analysed.
     pub fn is_ready(&self) -> bool {
         match self {
@@ -119,16 +132,30 @@ impl Encoder {
         matches!(self, Encoder::Stereo | Encoder::Binaural(_))
     }
 
+    /// Whether direct ways have the responses of both ears.
+    pub fn has_responses(&self) -> bool {
+        matches!(self, Encoder::Binaural(_))
+    }
+
+    /// Overwrites the responses of both ears to sound from a direction of the world, for a head with this rotation. Does
+    /// not allocate.
+    pub fn respond(&self, rotation: Quat, from: DVec3, responses: &mut [Vec<f32>; EARS]) {
+        let Encoder::Binaural(analysis) = self else {
+            return;
+        };
+        if let Some(head) = analysis.get() {
+            head.respond(own_direction(rotation, from), responses);
+        }
+    }
+
     /// The encoding of sound from a direction of the world (a unit vector), for a head with this rotation. Does not
     /// allocate.
     pub fn encode(&self, rotation: Quat, from: DVec3) -> Encoded {
-        // Axes of AmbiX and SOFA: x ahead, y to the left, z up.
-        let own = rotation.as_dquat().inverse() * from;
-        let towards = DVec3::new(-own.z, -own.x, own.y);
-        let towards = towards.try_normalize().unwrap_or(DVec3::X);
+        let towards = own_direction(rotation, from);
         let mut encoded = Encoded {
             delays_s: [0.0; EARS],
             ears: [[0.0; 4]; EARS],
+            lead_s: 0.0,
             channels: [0.0; MOST_CHANNELS],
         };
         match self {
@@ -174,6 +201,13 @@ impl Encoder {
     }
 }
 
+/// A direction of the world in the axes of a head, which are those of AmbiX and SOFA: x ahead, y to the left, z up.
+fn own_direction(rotation: Quat, from: DVec3) -> DVec3 {
+    let own = rotation.as_dquat().inverse() * from;
+    let towards = DVec3::new(-own.z, -own.x, own.y);
+    towards.try_normalize().unwrap_or(DVec3::X)
+}
+
 /// The gains of loudspeakers in a ring, with the power 1: the two around the azimuth share the horizontal part (V.
 /// Pulkki, *Virtual sound source positioning using vector base amplitude panning*, JAES 45, 1997), all share the vertical
 /// part.
@@ -203,214 +237,10 @@ fn pan(speakers: &[(usize, f64)], towards: DVec3) -> Gains {
     gains
 }
 
-/// Number of directions in which the ears of a measured head are known: about 3° apart.
-const DIRECTIONS: u64 = 4096;
-
-/// Number of frequencies of an octave at which the level of a response is averaged.
-const TONES: usize = 8;
-
-/// One ear and one direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Ear {
-    /// Seconds after the sound would pass the centre of the head.
-    delay_s: f64,
-    /// Amplitudes by band.
-    gain: Bands,
-}
-
-/// The ears of a measured head by direction.
-pub(super) struct Measured {
-    facets: IndexedFacets,
-    /// Delays in seconds and gains of both ears.
-    ears: Vec<[(f64, Frame); EARS]>,
-}
-
-impl Measured {
-    /// The ears of a set of responses, for a sampling rate. Takes about half a second.
-    fn of(set: &HrirSet, rate_hz: u32) -> Measured {
-        let fit = Fit::new(rate_hz);
-        let directions: Vec<DVec3> = lattice(DIRECTIONS).collect();
-        let ears = ears(set, &directions);
-        let fitted = |ear: Ear| (ear.delay_s, fit.gains(&ear.gain));
-        Measured {
-            facets: IndexedFacets::new(directions),
-            ears: ears.into_iter().map(|both| both.map(fitted)).collect(),
-        }
-    }
-
-    fn encode(&self, towards: DVec3, encoded: &mut Encoded) {
-        for (index, weight) in self.facets.around(towards) {
-            for (ear, (delay_s, gains)) in self.ears[index].iter().enumerate() {
-                encoded.delays_s[ear] += weight * delay_s;
-                for (sum, gain) in encoded.ears[ear].iter_mut().zip(gains) {
-                    *sum += weight as f32 * gain;
-                }
-            }
-        }
-    }
-}
-
-/// Both ears of a set of responses in these directions.
-fn ears(set: &HrirSet, directions: &[DVec3]) -> Vec<[Ear; EARS]> {
-    let mut pair = <[Hrir; 2]>::default();
-    let rate_hz = f64::from(set.rate_hz());
-    let mut ears: Vec<[Ear; EARS]> = directions
-        .iter()
-        .map(|from| {
-            set.pair_into(*from, &mut pair);
-            pair.each_ref().map(|hrir| ear(hrir, rate_hz))
-        })
-        .collect();
-    // All responses of a set begin at the same sample, and on average sound passes the centre at 0 s.
-    let all = || ears.iter().flatten();
-    let mean_s = all().map(|ear| ear.delay_s).sum::<f64>() / all().count() as f64;
-    let earliest_s = all().map(|ear| ear.delay_s).fold(f64::INFINITY, f64::min);
-    for ear in ears.iter_mut().flatten() {
-        // No ear hears a sound before it passes the nearest ear: everything is later by a fraction of a millisecond.
-        ear.delay_s += (mean_s - earliest_s).max(0.0) - mean_s;
-    }
-    ears
-}
-
-/// A head that is known, or being analysed.
-pub(super) type Analysis = Arc<OnceLock<Measured>>;
-
-/// A head and a sampling rate in hertz.
-type HeadKey = (Weak<HrirSet>, u32);
-
-/// The heads of a simulator. Each is analysed once, on a thread of its own.
-#[derive(Default)]
-pub(super) struct Heads {
-    known: Mutex<Vec<(HeadKey, Analysis)>>,
-}
-
-impl Heads {
-    /// The encoder of a format. That of a head is ready when the head is analysed.
-    ///
-    /// # Errors
-    /// [`SimulatorError::NoThread`] if the system starts no thread.
-    pub fn encoder(&self, format: &EarsFormat, rate_hz: u32) -> Result<Encoder, SimulatorError> {
-        Ok(match format {
-            EarsFormat::Stereo => Encoder::Stereo,
-            EarsFormat::Binaural(set) => Encoder::Binaural(self.head(set, rate_hz)?),
-            EarsFormat::Ambisonics(order) => Encoder::Ambisonics(*order),
-            EarsFormat::Surround51 => Encoder::Surround(SPEAKERS_51),
-            EarsFormat::Surround71 => Encoder::Surround(SPEAKERS_71),
-        })
-    }
-
-    fn head(&self, set: &Arc<HrirSet>, rate_hz: u32) -> Result<Analysis, SimulatorError> {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.retain(|((other, _), _)| other.strong_count() > 0);
-        let is_it = |((other, rate), _): &&(HeadKey, Analysis)| {
-            other.as_ptr() == Arc::as_ptr(set) && *rate == rate_hz
-        };
-        if let Some((_, analysis)) = known.iter().find(is_it) {
-            return Ok(Arc::clone(analysis));
-        }
-        let analysis = Analysis::default();
-        let (set_here, analysis_here) = (Arc::clone(set), Arc::clone(&analysis));
-        let analyse = move || {
-            analysis_here.get_or_init(|| Measured::of(&set_here, rate_hz));
-        };
-        let started = thread::Builder::new()
-            .name("echomarch head".to_owned())
-            .spawn(analyse);
-        started.map_err(|error| SimulatorError::NoThread {
-            reason: error.to_string(),
-        })?;
-        known.push(((Arc::downgrade(set), rate_hz), Arc::clone(&analysis)));
-        Ok(analysis)
-    }
-}
-
-/// The delay and the levels of a response.
-fn ear(hrir: &Hrir, rate_hz: f64) -> Ear {
-    let power = |hertz: f64| {
-        let step = -2.0 * PI * hertz / rate_hz;
-        let turn = Complex64::from_polar(1.0, step);
-        let mut phase = Complex64::new(1.0, 0.0);
-        let mut sum = Complex64::default();
-        for sample in &hrir.samples {
-            sum += f64::from(*sample) * phase;
-            phase *= turn;
-        }
-        sum.norm_sqr()
-    };
-    let level = |centre_hz: f64| {
-        let tone = |tone: usize| {
-            let octaves = (tone as f64 + 0.5) / TONES as f64 - 0.5;
-            (centre_hz * SQRT_2.powf(2.0 * octaves)).min(0.49 * rate_hz)
-        };
-        ((0..TONES).map(|index| power(tone(index))).sum::<f64>() / TONES as f64).sqrt()
-    };
-    Ear {
-        delay_s: hrir.delay_s,
-        gain: BANDS_HZ.map(level),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hrtf::tests::{RATE_HZ, SAMPLES, grid, set, transfer};
-
-    /// Protects headphones: sound from the left of a rigid sphere reaches the left ear earlier, by 0.4 to 0.9 ms, and
-    /// the levels of the octaves at 1 to 4 kHz are those of the sphere's exact transfer function, to 1 dB. Sound from
-    /// the right is the mirror image, and no ear hears before time.
-    #[test]
-    fn the_near_ear_is_earlier_and_louder() {
-        for (towards, near) in [(DVec3::Y, 0), (DVec3::NEG_Y, 1)] {
-            let both = ears(&set(grid(30)), &[towards, DVec3::Y, DVec3::NEG_Y]);
-            let (near, far) = (both[0][near], both[0][1 - near]);
-            let later_s = far.delay_s - near.delay_s;
-            assert!((4e-4..9e-4).contains(&later_s), "{later_s}");
-            assert!(near.delay_s >= 0.0, "{}", near.delay_s);
-            for (ear, found) in both[0].iter().enumerate() {
-                let exact = transfer(towards, ear);
-                for (band, centre_hz) in BANDS_HZ.iter().enumerate().take(7).skip(4) {
-                    let bin_hz = f64::from(RATE_HZ) / SAMPLES as f64;
-                    let ends =
-                        [1.0 / SQRT_2, SQRT_2].map(|end| (end * centre_hz / bin_hz) as usize);
-                    let octave = &exact[ends[0]..=ends[1]];
-                    let power = octave.iter().map(|value| value.norm_sqr()).sum::<f64>();
-                    let level = (power / octave.len() as f64).sqrt();
-                    let off_db = 20.0 * (found.gain[band] / level).log10();
-                    assert!(off_db.abs() < 1.0, "{towards} {ear} {band}: {off_db} dB");
-                }
-            }
-        }
-    }
-
-    /// Protects headphones in motion: between the known directions, delays are within 20 µs of those of the responses,
-    /// and gains within 6 % of the loudest band, for every rotation of the head.
-    #[test]
-    fn directions_in_between_are_interpolated() {
-        let set = Arc::new(set(grid(30)));
-        let heads = Heads::default();
-        let format = EarsFormat::Binaural(Arc::clone(&set));
-        let encoder = heads.encoder(&format, RATE_HZ).expect("a thread");
-        while !encoder.is_ready() {
-            thread::yield_now();
-        }
-        let fit = Fit::new(RATE_HZ);
-        let directions: Vec<DVec3> = lattice(DIRECTIONS).chain(lattice(301)).collect();
-        let exact = ears(&set, &directions);
-        for (number, towards) in directions.iter().enumerate().skip(DIRECTIONS as usize) {
-            let turn = Quat::from_euler(glam::EulerRot::XYZ, number as f32, 0.3, 0.7);
-            let own = DVec3::new(-towards.y, towards.z, -towards.x);
-            let found = encoder.encode(turn, turn.as_dquat() * own);
-            for (ear, exact) in exact[number].iter().enumerate() {
-                let off_s = found.delays_s[ear] - exact.delay_s;
-                assert!(off_s.abs() < 20e-6, "{off_s} s");
-                let loudest = exact.gain.into_iter().fold(0.0, f64::max);
-                for (gain, wanted) in found.ears[ear].iter().zip(fit.gains(&exact.gain)) {
-                    let off = f64::from(gain - wanted).abs() / loudest;
-                    assert!(off < 0.06, "{towards} {ear}: {off}");
-                }
-            }
-        }
-    }
+    use crate::sampling::lattice;
 
     fn encode(encoder: &Encoder, from: DVec3) -> Encoded {
         encoder.encode(Quat::IDENTITY, from)

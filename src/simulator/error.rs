@@ -1,6 +1,7 @@
 //! Errors of a simulator's calls.
 
 use super::{Pose, SourceId, SurfaceId};
+use crate::hrtf::HrirError;
 
 /// The reason why a call of a [`Simulator`](super::Simulator) changes nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,6 +43,9 @@ pub enum SimulatorError {
         /// The refused length.
         length: usize,
     },
+    /// Responses of a head that cannot be converted to the sampling rate.
+    #[error(transparent)]
+    Head(#[from] HrirError),
     /// A thread that cannot be started, or has ended.
     #[error("the simulator's thread does not run: {reason}")]
     NoThread {

@@ -46,6 +46,8 @@ mod engine;
 mod error;
 mod fit;
 mod hall;
+mod head;
+mod head_filter;
 mod heard;
 mod messages;
 mod network;
@@ -73,9 +75,10 @@ pub use update::{DirectWay, EarlyEcho, Update};
 
 use crate::error::Error;
 use crate::scene::{Scene, Source, Surface};
-use encoder::Heads;
+use encoder::Encoder;
 use engine::Shared;
 use hall::Hall;
+use head::Heads;
 use messages::Subscriber;
 use slots::Key;
 use std::fmt;
@@ -352,7 +355,7 @@ impl Simulator {
 
     fn heard_by(&self, spec: &EarsSpec, only: Option<SourceId>) -> Result<Mix, SimulatorError> {
         spec.validate()?;
-        let encoder = self.heads.encoder(&spec.format, spec.rate_hz)?;
+        let encoder = Encoder::of(&spec.format, spec.rate_hz, &self.heads)?;
         let (mix, ends) = Mix::new(spec, encoder);
         let settings = (spec.rate_hz, spec.sources, only);
         self.shared.subscribe(Subscriber::new(settings, ends));

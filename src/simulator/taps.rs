@@ -10,7 +10,7 @@ pub(super) const MOST_BETWEEN_EARS: usize = 384;
 /// The destination of a tap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// To the ears, read between four samples.
+    /// To the ears, read between four samples, and through the responses of a head.
     Direct,
     /// To the ears, read between two samples.
     Echo,
@@ -64,11 +64,18 @@ impl Heard {
             let channels = encoded.channels;
             return Heard { channels, ..both };
         }
+        let samples =
+            |delay_s: f64| (delay_s * hearing.rate_hz).clamp(0.0, MOST_BETWEEN_EARS as f64);
+        // The responses of the ears follow, with their levels.
+        if way.kind == Kind::Direct && hearing.encoder.has_responses() {
+            let delays = encoded.delays_s.map(samples);
+            return Heard { delays, ..both };
+        }
         let of_ear = |own: Frame| std::array::from_fn(|band| own[band] * way.gains[band]);
         Heard {
             delays: encoded
                 .delays_s
-                .map(|delay_s| (delay_s * hearing.rate_hz).clamp(0.0, MOST_BETWEEN_EARS as f64)),
+                .map(|delay_s| samples(delay_s + encoded.lead_s)),
             gains: encoded.ears.map(of_ear),
             channels: encoded.channels,
         }

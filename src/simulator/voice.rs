@@ -5,7 +5,8 @@
 //! tap reads the line at a fractional delay for each ear, and has a gain for each band and ear. Delays and gains run
 //! linearly to their next values, so that nothing clicks, and a moving source has its Doppler shift. A tap whose delay
 //! would change faster than a fifth of real time fades out while another one fades in. In formats without ears, a tap
-//! reads the line once, and has a gain for each channel.
+//! reads the line once, and has a gain for each channel. With a head, the direct way passes the responses of both ears,
+//! which glide (`head_filter.rs`).
 //!
 //! # Deviations
 //! [`Auralisation`](crate::auralisation::Auralisation) has eight bands with exact levels and reads with sixteen
@@ -15,6 +16,7 @@
 
 use super::encoder::{MOST_CHANNELS, Planes};
 use super::fit::{BANDS, CHUNK, EARS, Frame, poles};
+use super::head_filter::HeadFilter;
 use super::taps::{Heard, Hearing, Kind, MOST_BETWEEN_EARS, Tap, Way};
 use crate::arrival::MOST_DOPPLER;
 use glam::Vec4;
@@ -47,6 +49,8 @@ const MOST_TAPS: usize = 2 * 66;
 pub(super) struct Output {
     /// Left and right, by band.
     pub ears: [[Frame; EARS]; CHUNK],
+    /// The direct way of one source at both ears without the head, by band.
+    direct: [[Frame; EARS]; CHUNK],
     /// The input of the network, by band.
     pub late: [[Frame; 1]; CHUNK],
     /// The channels of formats without ears.
@@ -56,6 +60,7 @@ pub(super) struct Output {
 impl Output {
     pub const SILENT: Output = Output {
         ears: [[[0.0; BANDS]; EARS]; CHUNK],
+        direct: [[[0.0; BANDS]; EARS]; CHUNK],
         late: [[[0.0; BANDS]]; CHUNK],
         channels: [[0.0; CHUNK]; MOST_CHANNELS],
     };
@@ -73,11 +78,14 @@ pub(super) struct Voice {
     poles: Frame,
     lows: Frame,
     taps: Vec<Tap>,
+    /// The responses of both ears, for headphones.
+    head: Option<HeadFilter>,
 }
 
 impl Voice {
-    /// A silent voice with delays of up to `longest` samples.
-    pub fn new(longest: usize, rate_hz: u32) -> Voice {
+    /// A silent voice with delays of up to `longest` samples, and responses of both ears of `head` samples; 0 without a
+    /// head.
+    pub fn new(longest: usize, rate_hz: u32, head: usize) -> Voice {
         let length = (longest + CHUNK + 2 * REACH + MOST_BETWEEN_EARS).next_power_of_two();
         let [a, b, c] = poles(rate_hz.into()).map(|pole| pole as f32);
         Voice {
@@ -88,6 +96,7 @@ impl Voice {
             poles: [a, b, c, 1.0],
             lows: [0.0; BANDS],
             taps: Vec::with_capacity(MOST_TAPS),
+            head: (head > 0).then(|| HeadFilter::new(head)),
         }
     }
 
@@ -105,6 +114,9 @@ impl Voice {
         }
         self.lows = [0.0; BANDS];
         self.taps.clear();
+        if let Some(head) = &mut self.head {
+            head.clear();
+        }
     }
 
     fn push(&mut self, frame: Frame) {
@@ -140,6 +152,16 @@ impl Voice {
                 None => (),
             }
         }
+        self.aim_head(samples, hearing);
+    }
+
+    /// Aims the responses of both ears at the direct way.
+    fn aim_head(&mut self, samples: u32, hearing: &Hearing) {
+        let is_direct = |tap: &&Tap| tap.way.kind == Kind::Direct && !tap.is_ending;
+        let direct = self.taps.iter().find(is_direct);
+        if let (Some(head), Some(direct)) = (&mut self.head, direct) {
+            head.aim(direct.way.from, samples, hearing);
+        }
     }
 
     /// Turns the head within `samples` samples. Does not allocate.
@@ -147,6 +169,7 @@ impl Voice {
         for tap in self.taps.iter_mut().filter(|tap| !tap.is_ending) {
             tap.hear(Heard::of(&tap.way, hearing), samples);
         }
+        self.aim_head(samples, hearing);
     }
 
     /// Maximum delay in samples to the centre of the head.
@@ -158,12 +181,19 @@ impl Voice {
     /// allocate. A sample that is not finite counts as 0.
     pub fn add(&mut self, mono: &[f32], has_ears: bool, out: &mut Output) {
         self.write(mono);
+        let is_direct = |tap: &Tap| tap.way.kind == Kind::Direct;
+        let has_direct = self.taps.iter().any(is_direct);
         let mut taps = std::mem::take(&mut self.taps);
         for tap in &mut taps {
             self.render(tap, mono.len(), has_ears, out);
         }
         taps.retain(|tap| !tap.has_ended());
         self.taps = taps;
+        if let Some(head) = &mut self.head {
+            let Output { ears, direct, .. } = out;
+            let samples = ..mono.len();
+            head.add(has_direct, &mut direct[samples], &mut ears[samples]);
+        }
     }
 
     fn write(&mut self, mono: &[f32]) {
@@ -184,10 +214,14 @@ impl Voice {
     fn render(&self, tap: &mut Tap, samples: usize, has_ears: bool, out: &mut Output) {
         let Output {
             ears,
+            direct,
             late,
             channels,
         } = out;
-        let ears = &mut ears[..samples];
+        let ears = match tap.way.kind == Kind::Direct && self.head.is_some() {
+            true => &mut direct[..samples],
+            false => &mut ears[..samples],
+        };
         let are_together = |heard: &Heard| heard.delays[0] == heard.delays[1];
         let are_together = are_together(&tap.heard) && are_together(&tap.to);
         match (tap.way.kind, has_ears && are_together) {
@@ -364,7 +398,7 @@ mod tests {
     #[test]
     fn a_tap_is_delayed_and_scaled() {
         for delay in [2.0, 10.5, 300.25, 999.9] {
-            let mut voice = Voice::new(1000, RATE_HZ);
+            let mut voice = Voice::new(1000, RATE_HZ, 0);
             voice.glide_to(&[way(1, delay, 0.5)], 1, &STEREO);
             let sine = |time: f64| (time * 2.0 * PI * 4000.0 / f64::from(RATE_HZ)).sin();
             let sound: Vec<f32> = (0..6000).map(|time| sine(f64::from(time)) as f32).collect();
@@ -384,11 +418,11 @@ mod tests {
     #[test]
     fn a_cleared_voice_is_like_a_new_one() {
         for delay in [2.0, 90.5, 131.0, 500.25, 900.0] {
-            let mut used = Voice::new(1000, RATE_HZ);
+            let mut used = Voice::new(1000, RATE_HZ, 0);
             used.glide_to(&[way(1, delay, 0.7)], 1, &STEREO);
             play(&mut used, &[1.0; 5000]);
             used.clear();
-            let mut fresh = Voice::new(1000, RATE_HZ);
+            let mut fresh = Voice::new(1000, RATE_HZ, 0);
             let sound: Vec<f32> = (0..2500).map(|i| (i as f32 * 0.37).sin()).collect();
             for voice in [&mut used, &mut fresh] {
                 voice.glide_to(&[way(1, delay, 0.5)], 400, &STEREO);
@@ -402,7 +436,7 @@ mod tests {
     /// of the fade.
     #[test]
     fn gliding_taps_do_not_click() {
-        let mut voice = Voice::new(4000, RATE_HZ);
+        let mut voice = Voice::new(4000, RATE_HZ, 0);
         // Whole periods, so that the tone continues from call to call.
         let step = 2.0 * std::f32::consts::PI * 40.0 / 4800.0;
         let tone: Vec<f32> = (0..4800).map(|i| (i as f32 * step).sin()).collect();
