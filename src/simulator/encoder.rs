@@ -2,7 +2,7 @@
 
 use super::SimulatorError;
 use super::fit::{CHUNK, EARS, Frame};
-use super::head::{Analysis, Heads};
+use super::head::{Analysis, AtEars, Heads};
 use crate::hrtf::HrirSet;
 use crate::response::{AmbisonicOrder, Encoding, ListenerAxes};
 use glam::{DVec2, DVec3, Quat};
@@ -165,7 +165,12 @@ impl Encoder {
             }
             Encoder::Binaural(analysis) => {
                 if let Some(head) = analysis.get() {
-                    head.encode(towards, &mut encoded);
+                    let AtEars {
+                        delays_s,
+                        gains,
+                        lead_s,
+                    } = head.at_ears(towards);
+                    (encoded.delays_s, encoded.ears, encoded.lead_s) = (delays_s, gains, lead_s);
                 }
             }
             Encoder::Ambisonics(order) => {
