@@ -134,7 +134,7 @@ impl Space for MirroredSpace<'_> {
     }
 
     fn distance(&self, point: DVec3) -> f64 {
-        let face = (self.mirror.surface, self.mirror.normal);
+        let face = (self.mirror.surface, (self.mirror.point, self.mirror.normal));
         self.exact
             .distance_without_face(self.mirror.in_front(point), face)
     }
@@ -247,7 +247,7 @@ mod tests {
     const DOUBLE_WALL: &str = "Surface(shape: Box(size: (0.2, 4, 4)))";
 
     /// Protects reflections behind a wall on the ground: they bend as the image of the source does behind a wall of twice
-    /// the height in the open. The ground is a plane, a half-space, a solid box, or the wall of a room.
+    /// the height in the open. The ground is a plane, a half-space, a solid box, the wall of a room, or a face of a mesh.
     #[test]
     fn reflections_at_the_ground_bend_as_around_a_wall_of_twice_the_height() {
         let double = exact(DOUBLE_WALL);
@@ -257,6 +257,7 @@ mod tests {
             "Surface(shape: HalfSpace(normal: (0, 1, 0), offset: 0))",
             "Surface(shape: Box(size: (100, 2, 100)), position: (0, -1, 0))",
             "Surface(shape: Room(size: (100, 60, 100)), position: (0, 30, 0))",
+            "Surface(shape: Rooms(of: [(name: \"r\", from: (-50, 0, -50), to: (50, 60, 50))]))",
         ] {
             let scene = exact(&format!("{floor}, {WALL}"));
             let paths = around_mirrored(&scene, ground(1), (SOURCE, LISTENER), SPEED, RIGID);
