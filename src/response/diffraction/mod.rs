@@ -26,6 +26,8 @@
 mod bend;
 mod brink;
 mod curvature;
+#[cfg(test)]
+mod doorways;
 mod edge;
 mod energies;
 mod face;

@@ -10,7 +10,7 @@ use super::narrow::factor_of;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::touch::{MOST_DETOUR_M, SIDES, edge_at, touched};
+use super::touch::{MOST_DETOUR_M, SIDES, STRAIGHT, edge_at, touched};
 use super::wedge::{Wedge, behind_screen};
 use glam::DVec3;
 use num_complex::Complex64;
@@ -450,6 +450,3 @@ impl<'a, S: Space, F: Fn(usize) -> Option<Option<&'a TautString>>> Search<'_, S,
         touch.map(|(touch, _)| touch)
     }
 }
-
-/// Angle in radians between lines to neighbouring touches up to which they lie on a straight edge.
-const STRAIGHT: f64 = 0.01;

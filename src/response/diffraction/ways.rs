@@ -60,6 +60,8 @@ pub(super) struct Way {
     own: Vec<Samples>,
     /// Detours over the lines of its edges.
     lines: Vec<Samples>,
+    /// The least detour over these lines in metres: less than that of the way if they end before.
+    endless_m: f64,
     /// Ways along the surface in each half-plane, if the way has a single turn and that is curved.
     arcs: Vec<Option<Arc>>,
     /// Wavelength over 2π in metres at which the factor of the way counts half: infinite for an obstacle without an end.
@@ -288,6 +290,7 @@ impl Way {
             own: vec![own],
             arcs,
             lines: all_samples(&lines),
+            endless_m: bend.length_over_endless_lines() - apart_m,
             wide_m,
             growth_m,
             edge_growth_m,
@@ -377,10 +380,11 @@ impl Way {
         let round = bend.most_round(space, k);
         let [mut all, mut opposite] = [Complex64::ZERO; 2];
         if round < 1.0 {
-            let straight = screen(detour_m);
-            let factor = (1.0 - round) * relative(product * (apart_m / bend.length_m) / straight);
+            let alone = product * (apart_m / bend.length_m) / screen(detour_m);
+            let factor = (1.0 - round) * relative(alone);
             let [own, beyond] = self.sums(k, |_| Complex64::ONE);
-            let front = straight * Complex64::cis(k * detour_m) + own - ring::sum(&self.lines, k);
+            let endless = screen(self.endless_m) * Complex64::cis(k * self.endless_m);
+            let front = endless + own - ring::sum(&self.lines, k);
             all += factor * front;
             opposite += factor * beyond;
         }
