@@ -33,7 +33,7 @@ fn greatest_step_db(levels: &[Bands], until_hz: f64) -> f64 {
 fn direct(exact: &ExactScene, ends: Ends) -> Bands {
     let paths = around(exact, ends, SPEED, WALLS);
     if paths.is_empty() {
-        return beside(exact, ends, SPEED, WALLS);
+        return beside(exact, ends, SPEED, WALLS).energy;
     }
     let open = 4.0 * PI * ends.0.distance_squared(ends.1);
     std::array::from_fn(|band| paths.iter().map(|path| path.energy[band] * open).sum())

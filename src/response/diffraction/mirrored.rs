@@ -10,10 +10,10 @@
 //! From the image of the source to the listener a string crosses the plane once: the sound is reflected before the edge
 //! or after it. From the source itself to the listener it crosses the plane twice, or not at all.
 
-use super::lit::Lit;
+use super::lit::{Change, Lit};
 use super::space::{Obstacle, Space};
 use super::{DiffractedPath, Ends, ways_around};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::Bands;
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
@@ -180,18 +180,15 @@ impl MirroredSpace<'_> {
         all
     }
 
-    /// The energy of the reflection at the plane, relative to that without obstacles, by band, with the edges beside its
-    /// way.
+    /// The change of the reflection at the plane by the edges beside its way.
     pub fn beside(
         &self,
         (source, listener): Ends,
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
-    ) -> Bands {
+    ) -> Change {
         let lit = Lit::between(self, (self.mirror.image(source), listener));
-        lit.map_or([1.0; BAND_COUNT], |lit| {
-            lit.energy(self, speed, coefficients)
-        })
+        lit.map_or(Change::NONE, |lit| lit.change(self, speed, coefficients))
     }
 }
 
@@ -199,6 +196,7 @@ impl MirroredSpace<'_> {
 mod tests {
     use super::super::{around, around_mirrored, beside, beside_mirrored, tests};
     use super::*;
+    use crate::bands::BAND_COUNT;
 
     const SPEED: f64 = 343.0;
     const RIGID: fn(u32) -> Bands = |_| [1.0; BAND_COUNT];
@@ -369,7 +367,7 @@ mod tests {
         let scene = exact(&format!("Surface(shape: Plane), {low}"));
         let (source, listener) = (DVec3::new(-3.0, 0.8, 0.0), DVec3::new(1.0, 1.8, 0.4));
         let [there, back] = [(source, listener), (listener, source)]
-            .map(|ends| beside_mirrored(&scene, ground(1), ends, SPEED, RIGID));
+            .map(|ends| beside_mirrored(&scene, ground(1), ends, SPEED, RIGID).energy);
         for (there, back) in there.into_iter().zip(back) {
             let apart_db = 10.0 * (there / back).log10();
             assert!(apart_db.abs() < 0.1, "{apart_db} dB");
@@ -386,8 +384,8 @@ mod tests {
         let mirror = ground(1);
         assert!(around_mirrored(&scene, mirror, ends, SPEED, RIGID).is_empty());
         let open = exact("Surface(shape: Box(size: (0.2, 0.4, 40)))");
-        let expected = beside(&open, (mirror.image(ends.0), ends.1), SPEED, RIGID);
-        let found = beside_mirrored(&scene, mirror, ends, SPEED, RIGID);
+        let expected = beside(&open, (mirror.image(ends.0), ends.1), SPEED, RIGID).energy;
+        let found = beside_mirrored(&scene, mirror, ends, SPEED, RIGID).energy;
         assert!(
             expected.iter().any(|share| (share - 1.0).abs() > 0.05),
             "{expected:?}"

@@ -11,7 +11,9 @@ use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::touch::{MOST_DETOUR_M, SIDES, STRAIGHT, edge_at, touched};
+use super::ways::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::wedge::{Wedge, behind_screen};
+use crate::bands::Bands;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -310,6 +312,14 @@ impl Rim {
             }
         }
         added
+    }
+
+    /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energy that the edge adds, by band:
+    /// those behind it. An edge behind which no shadow begins is one of two.
+    pub fn errors_db(&self) -> Bands {
+        self.grazing
+            .as_ref()
+            .map_or(TWO_EDGES_ERRORS_DB, errors_of_bend_db)
     }
 
     /// Difference in metres between the way over the edge and the straight way.

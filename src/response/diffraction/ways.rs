@@ -30,8 +30,8 @@ const SAME_BASIN: f64 = 3.0;
 /// values of bars; and where a second obstacle is beyond the first, against those of a doorway (`tests/diffraction`).
 const EDGE_ERRORS_DB: Bands = [0.1; BAND_COUNT];
 const ROUND_ERRORS_DB: Bands = [1.6, 1.1, 0.8, 0.7, 0.7, 0.7, 0.6, 0.5];
-const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
-const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
+pub(super) const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
+pub(super) const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 
 /// The ways around what is between two points.
 pub(super) struct Ways {
@@ -237,17 +237,24 @@ impl Ways {
 
     /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energies, by band.
     pub fn errors_db(&self) -> Bands {
-        let of_way = |way: &Way| match (way.bend.turns.len(), way.bend.is_plain()) {
-            (1, true) => EDGE_ERRORS_DB,
-            (1, false) if way.bend.turns[0].arc_m > 0.0 => ROUND_ERRORS_DB,
-            _ => TWO_EDGES_ERRORS_DB,
-        };
+        let of_ways = self.bends.iter().map(|way| errors_of_bend_db(&way.bend));
         let of_rims = (!self.rims.is_empty()).then_some(GAP_ERRORS_DB);
-        let all = self.bends.iter().map(of_way).chain(of_rims);
-        all.fold([0.0; BAND_COUNT], |most, errors| {
-            std::array::from_fn(|band| most[band].max(errors[band]))
-        })
+        of_ways.chain(of_rims).fold([0.0; BAND_COUNT], most)
     }
+}
+
+/// Half-widths in decibels of the intervals that contain 95 % of the errors of the energy of one way, by band.
+pub(super) fn errors_of_bend_db(bend: &Bend) -> Bands {
+    match (bend.turns.len(), bend.is_plain()) {
+        (1, true) => EDGE_ERRORS_DB,
+        (1, false) if bend.turns[0].arc_m > 0.0 => ROUND_ERRORS_DB,
+        _ => TWO_EDGES_ERRORS_DB,
+    }
+}
+
+/// The greater value of each band.
+pub(super) fn most(a: Bands, b: Bands) -> Bands {
+    std::array::from_fn(|band| a[band].max(b[band]))
 }
 
 impl Way {
