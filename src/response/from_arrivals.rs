@@ -86,7 +86,7 @@ pub(super) fn response(
     if let Some(common) = late.errors {
         figures = figures.with_common_errors(&common);
     }
-    // Few arrivals leave out figures by their noise: the errors below are no noise.
+    // Few arrivals leave out figures by their noise. The errors below have other causes.
     let heard_in = (pair, medium);
     let further = late::further_arrival(tracer, heard_in, settings, how, &echogram, travel_on)?;
     figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);

@@ -426,10 +426,10 @@ fn the_shortest_hidden_reflections_bend() {
     assert_eq!(reflecting, nearest);
 }
 
-/// Protects G outdoors with diffraction: it is told in sight of a source beside the end of a wall and behind it, with an
-/// error that contains those of the edges. The waves do not bend: their difference from the bent paths is no error.
+/// Protects G outdoors with diffraction, beside the end of a wall and behind it: its error contains those of the edges. The
+/// waves do not bend, and their difference from the bent paths must not count.
 #[test]
-fn strength_is_told_beside_and_behind_the_end_of_a_wall() {
+fn strength_is_stated_beside_and_behind_the_end_of_a_wall() {
     let mut tracer = tracer();
     for (x, least_db, most_db) in [(2.0, 0.1, 1.0), (-2.5, 1.0, 2.5)] {
         let text = format!(

@@ -61,7 +61,7 @@ fn levels_in_sight_through_a_doorway_are_continuous() {
     assert!(step < 1.0, "{step} dB");
 }
 
-/// Protects ways beside a second edge: a line between the two edges of a lintel is no edge.
+/// Protects ways beside a second edge: a line between the two edges of a lintel counts as none of them.
 #[test]
 fn levels_behind_a_jamb_below_a_lintel_are_continuous() {
     let walk = (40..=55).map(|z| {

@@ -3,13 +3,14 @@
 use super::Ends;
 use super::OFF_THE_EDGE;
 use super::energies::nearness;
+use super::errors::{GAP_ERRORS_DB, most};
 use super::interference::{self, Sound, THIRDS, band_mean};
 use super::narrow::wideness;
 use super::rim::Rim;
 use super::space::Space;
 use super::string::HalfPlanes;
 use super::touch::MOST_DETOUR_M;
-use super::ways::{GAP_ERRORS_DB, Ways, most};
+use super::ways::Ways;
 use crate::bands::{self, BAND_COUNT, Bands};
 use num_complex::Complex64;
 

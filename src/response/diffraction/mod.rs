@@ -30,6 +30,7 @@ mod curvature;
 mod doorways;
 mod edge;
 mod energies;
+mod errors;
 mod face;
 mod interference;
 mod lit;

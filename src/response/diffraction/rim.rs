@@ -6,12 +6,12 @@
 
 use super::bend::Bend;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, face_distance_m};
+use super::errors::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::narrow::factor_of;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::touch::{MOST_DETOUR_M, SIDES, STRAIGHT, edge_at, touched};
-use super::ways::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::wedge::{Wedge, behind_screen};
 use crate::bands::Bands;
 use glam::DVec3;

@@ -39,7 +39,7 @@ pub(super) fn edge_at(
         let (other, _) = touched(space, planes, (azimuth + turn, above), &[side])?;
         (other - point).try_normalize()
     };
-    // Where an edge ends, the tents next to it touch another one.
+    // Beyond the end of an edge, tents touch another edge.
     let is_straight = |turn: f64, along: DVec3| {
         let half = beside(0.5 * turn);
         half.is_some_and(|half| half.angle_between(along) < STRAIGHT)

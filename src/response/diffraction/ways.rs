@@ -1,6 +1,7 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
 use super::bend::Bend;
+use super::errors::{GAP_ERRORS_DB, errors_of_bend_db, most};
 use super::interference::Sound;
 use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
@@ -24,14 +25,6 @@ const BESIDE: f64 = 0.1;
 
 /// Angle in half-planes up to which a bend belongs to a basin: the search for the stationary way moves it.
 const SAME_BASIN: f64 = 3.0;
-
-/// Half-widths in decibels, by band, of the intervals that contain 95 % of the errors of levels, measured on places drawn
-/// at random: behind a straight edge; behind 600 balls and 40 cylinders; over two edges, against the boundary-element
-/// values of bars; and where a second obstacle is beyond the first, against those of a doorway (`tests/diffraction`).
-const EDGE_ERRORS_DB: Bands = [0.1; BAND_COUNT];
-const ROUND_ERRORS_DB: Bands = [1.6, 1.1, 0.8, 0.7, 0.7, 0.7, 0.6, 0.5];
-pub(super) const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
-pub(super) const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 
 /// The ways around what is between two points.
 pub(super) struct Ways {
@@ -243,20 +236,6 @@ impl Ways {
     }
 }
 
-/// Half-widths in decibels of the intervals that contain 95 % of the errors of the energy of one way, by band.
-pub(super) fn errors_of_bend_db(bend: &Bend) -> Bands {
-    match (bend.turns.len(), bend.is_plain()) {
-        (1, true) => EDGE_ERRORS_DB,
-        (1, false) if bend.turns[0].arc_m > 0.0 => ROUND_ERRORS_DB,
-        _ => TWO_EDGES_ERRORS_DB,
-    }
-}
-
-/// The greater value of each band.
-pub(super) fn most(a: Bands, b: Bands) -> Bands {
-    std::array::from_fn(|band| a[band].max(b[band]))
-}
-
 impl Way {
     fn of(
         space: &impl Space,
@@ -268,7 +247,7 @@ impl Way {
     ) -> Way {
         let arcs = strings
             .iter()
-            .map(|string| string.as_ref().and_then(single_arc))
+            .map(|string| string.as_ref().and_then(TautString::single_arc))
             .collect();
         let apart_m = planes.apart_m();
         let detour_m = bend.length_m - apart_m;
@@ -463,15 +442,4 @@ fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut
         let length = bend.length_over_lines(planes, azimuth);
         *detour = length.map(|length| length - planes.apart_m());
     }
-}
-
-/// The way along the surface of a string with a single turn.
-fn single_arc(string: &TautString) -> Option<Arc> {
-    let turns = string.turns();
-    let [turn] = &turns[..] else {
-        return None;
-    };
-    let before_m = string.source.distance(turn.entry);
-    let after_m = string.listener.distance(turn.exit);
-    (turn.arc_m > 0.0).then(|| turn.arc(before_m, after_m))
 }

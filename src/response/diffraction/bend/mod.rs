@@ -276,7 +276,7 @@ impl Bend {
         Some(string::length(&points) - string::length(&self.points) + self.length_m)
     }
 
-    /// Length in metres of the shortest way over the lines of the edges, also where they are no edges.
+    /// Length in metres of the shortest way over the lines of the edges, also where the edges end before.
     pub fn length_over_endless_lines(&self) -> f64 {
         let mut points = self.points.clone();
         shorten(&mut points, &self.edges);
