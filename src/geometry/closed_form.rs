@@ -208,17 +208,22 @@ impl Placed {
     }
 
     /// Signed distance in metres from a point of the air in front of a face to the rest of the shape, as if the shape
-    /// were mirrored at the face and the face were open. `normal` is the unit normal of the face in world axes.
+    /// were mirrored at the face and the face were open. `on_face` is a point of its plane, and `normal` its unit normal, in
+    /// world axes.
     ///
     /// Infinite for a convex solid, which lies behind its faces. Fields that are not convex keep their face.
-    pub fn distance_without_face(&self, point: DVec3, normal: DVec3) -> f64 {
+    pub fn distance_without_face(&self, point: DVec3, (on_face, normal): (DVec3, DVec3)) -> f64 {
+        let local = |point: DVec3| self.local(point - self.position);
         match self.form {
             Form::Room { half } => {
                 let Face { axis, positive } = self.wall(normal);
                 let (mut centre, mut size) = (DVec3::ZERO, half);
                 centre[axis] = if positive { half[axis] } else { -half[axis] };
                 size[axis] *= 2.0;
-                -box_distance(self.local(point - self.position) - centre, size)
+                -box_distance(local(point) - centre, size)
+            }
+            Form::Mesh(ref mesh) => {
+                mesh.distance_in_front(local(point), local(on_face), self.local(normal))
             }
             _ if self.is_convex() => f64::INFINITY,
             _ => self.distance(point),

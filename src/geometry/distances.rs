@@ -12,11 +12,15 @@ impl ExactScene {
     }
 
     /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
-    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `face` is the number of the
-    /// surface, from 1, and the unit normal of its face.
-    pub(crate) fn distance_without_face(&self, point: DVec3, face: (u32, DVec3)) -> f64 {
-        self.least_distance(point, |number, surface| match number == face.0 {
-            true => surface.distance_without_face(point, face.1),
+    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `mirror` is the number of the
+    /// surface, from 1; `face` is a point of its face and the unit normal there.
+    pub(crate) fn distance_without_face(
+        &self,
+        point: DVec3,
+        (mirror, face): (u32, (DVec3, DVec3)),
+    ) -> f64 {
+        self.least_distance(point, |number, surface| match number == mirror {
+            true => surface.distance_without_face(point, face),
             false => surface.distance(point),
         })
     }

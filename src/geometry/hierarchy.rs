@@ -391,7 +391,7 @@ mod tests {
             }
             let exact = ExactScene::new(&scene).expect("a valid scene");
             prop_assert!(!exact.surfaces.iter().all(Placed::has_exact_distance));
-            let room = (1, DVec3::Y);
+            let room = (1, (DVec3::ZERO, DVec3::Y));
             for number in 0..300 {
                 let far = if number % 3 == 0 { 4.0 } else { 1.0 };
                 let point = (place(&mut random) * far + away).as_dvec3();

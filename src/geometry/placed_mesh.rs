@@ -44,6 +44,11 @@ impl PlacedMesh {
         self.mesh.distance(p)
     }
 
+    /// See [`TriangleMesh::distance_in_front`].
+    pub fn distance_in_front(&self, p: DVec3, on_plane: DVec3, normal: DVec3) -> f64 {
+        self.mesh.distance_in_front(p, on_plane, normal)
+    }
+
     /// The first face met within `until` metres.
     pub fn intersect(
         &self,

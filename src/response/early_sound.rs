@@ -65,20 +65,23 @@ impl EarlySound {
             diffracts: settings.diffracts(),
         };
         let part = EarlyPart::find(&search, &starts, early);
-        let caught = Caught::new(pair, medium, part);
-        let mut paths = caught.paths.clone();
+        let straight = part.heard(pair, medium);
+        let mut paths = straight.clone();
         let hidden = Hidden::find(
             (pair, medium, &early_paths),
             settings,
-            caught.part.hidden_reflections(),
+            part.hidden_reflections(),
             &mut paths,
         );
-        paths.extend(hidden.paths().cloned());
+        let around: Vec<HeardPath> = hidden.paths().cloned().collect();
+        let exact = (&straight[..], paths.clone());
+        let caught = Caught::new((pair, medium), part, exact, around.clone());
+        paths.extend(around);
         paths.sort_by(|a, b| a.delay_s.total_cmp(&b.delay_s));
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
         Ok(EarlySound {
-            is_hidden: direct(&caught.paths).is_none(),
+            is_hidden: direct(&straight).is_none(),
             caught,
             hidden,
             paths,

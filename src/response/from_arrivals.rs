@@ -86,6 +86,10 @@ pub(super) fn response(
     if let Some(common) = late.errors {
         figures = figures.with_common_errors(&common);
     }
+    // Few arrivals leave out figures by their noise. The errors below have other causes.
+    let heard_in = (pair, medium);
+    let further = late::further_arrival(tracer, heard_in, settings, how, &echogram, travel_on)?;
+    figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
     if let Some(inner) = &inner {
         let bias = inner.bias(&late, &record, direct_s);
         if late::are_biased(&bias, late.accepted_bias) {
@@ -105,9 +109,6 @@ pub(super) fn response(
         figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
     }
     let figures = (early.caught).in_errors((pair, medium), figures, (&echogram, ends_s));
-    let heard_in = (pair, medium);
-    let further = late::further_arrival(tracer, heard_in, settings, how, &echogram, travel_on)?;
-    let figures = figures.with_further_arrival(record, &further);
     let mut response = Response {
         missed: part.missed(),
         left_out: part.left_out().count() as u64,

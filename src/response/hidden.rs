@@ -1,6 +1,6 @@
 //! The sound of a source that is hidden from the listener: paths around what is in the way, and the path through it.
 
-use super::diffraction::{self, Mirror, Reflection};
+use super::diffraction::{self, Change, Mirror, Reflection};
 use super::omnidirectional_path::Path;
 use super::source_sound::{HeardPath, Medium, PathKind};
 use super::transmission;
@@ -167,7 +167,9 @@ pub fn diffracted<'a>(pair: impl IntoPair<'a>) -> Result<(Vec<HeardPath>, Bands)
     let obstacles = Obstacles::of(pair, &medium, &early);
     let around = obstacles.paths_around();
     let beside = match obstacles.ends.filter(|_| around.is_empty()) {
-        Some(ends) => diffraction::beside(early.exact(), ends, medium.speed, obstacles.faces()),
+        Some(ends) => {
+            diffraction::beside(early.exact(), ends, medium.speed, obstacles.faces()).energy
+        }
         None => [0.0; BAND_COUNT],
     };
     Ok((around, beside))
@@ -277,10 +279,7 @@ impl<'a> Obstacles<'a> {
         paths[..most].par_iter_mut().for_each(|path| {
             let (exact, speed, faces) = (self.early.exact(), self.medium.speed, self.faces());
             if path.is_direct() {
-                multiply(
-                    &mut path.energy,
-                    diffraction::beside(exact, ends, speed, faces),
-                );
+                change(path, &diffraction::beside(exact, ends, speed, faces));
                 return;
             }
             let reflections = self.at_planes(&path.path, ends);
@@ -291,7 +290,7 @@ impl<'a> Obstacles<'a> {
                     normal: plane.normal,
                 };
                 let beside = diffraction::beside_mirrored(exact, mirror, ends, speed, faces);
-                multiply(&mut path.energy, beside);
+                change(path, &beside);
             }
             let within = diffraction::within_faces(exact, &reflections, speed);
             multiply(&mut path.energy, within);
@@ -356,6 +355,11 @@ fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
     material.map_or([1.0; BAND_COUNT], |material| {
         material.absorption.map(|share| (1.0 - share).sqrt())
     })
+}
+
+fn change(path: &mut HeardPath, by: &Change) {
+    multiply(&mut path.energy, by.energy);
+    path.errors_db = by.errors_db;
 }
 
 fn multiply(energy: &mut Bands, shares: Bands) {

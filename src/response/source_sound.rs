@@ -184,8 +184,9 @@ pub struct HeardPath {
     /// again by their delays.
     #[serde(default = "as_energy")]
     pub in_samples: Bands,
-    /// Half-widths in decibels, by band, of the intervals that contain 95 % of the errors of a diffracted level, as
-    /// measured on wedges, round bodies, bars and a doorway. 0 for other paths, whose energies are exact in the model.
+    /// Half-widths in decibels, by band, of the intervals that contain 95 % of the errors of a level that edges
+    /// change, as measured on wedges, round bodies, bars and a doorway. 0 for other paths, whose energies are exact in the
+    /// model.
     #[serde(default)]
     pub errors_db: Bands,
     /// Azimuth of the direction that the sound comes from, to the right of the listener's viewing direction, in radians

@@ -425,3 +425,31 @@ fn the_shortest_hidden_reflections_bend() {
     let nearest: Vec<u32> = (2..2 + BENT).collect();
     assert_eq!(reflecting, nearest);
 }
+
+/// Protects G outdoors with diffraction, beside the end of a wall and behind it: its error contains those of the edges. The
+/// waves do not bend, and their difference from the bent paths must not count.
+#[test]
+fn strength_is_stated_beside_and_behind_the_end_of_a_wall() {
+    let mut tracer = tracer();
+    for (x, least_db, most_db) in [(2.0, 0.1, 1.0), (-2.5, 1.0, 2.5)] {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Plane), \
+             Surface(shape: Box(size: (6, 2.5, 0.2)), position: (-3, 1.25, 0))], \
+             source: Source(position: (0.8, 1.2, -4)), listener: Listener(position: ({x}, 1.5, 3), radius: 0.2))"
+        );
+        let scene = Scene::from_ron(&text, "wall").expect("a scene");
+        let settings = ResponseSettings::default()
+            .with_diffraction(true)
+            .with_trace(Settings::default().with_waves(16_384));
+        let response = Response::trace(&mut tracer, &scene, &settings).expect("a response");
+        let figures = &response.figures;
+        for (band, of_band) in figures.bands.iter().enumerate() {
+            assert!(of_band.g_db.is_some(), "x = {x} m, band {band}");
+        }
+        let error_db = figures.errors[0].g_db.expect("an error");
+        assert!(
+            (least_db..most_db).contains(&error_db),
+            "x = {x} m: {error_db} dB"
+        );
+    }
+}

@@ -6,11 +6,13 @@
 use super::edge::Edge;
 use super::space::Space;
 use super::tent::bisect;
+use super::wedge::Wedge;
 use glam::DVec3;
 use num_complex::Complex64;
+use std::f64::consts::PI;
 
 /// Distance from the edge at which the search for the end of a face begins, as a share of the leg.
-const FIRST: f64 = 0.02;
+pub(super) const FIRST: f64 = 0.02;
 /// Factor between distances that are tried.
 const LONGER: f64 = 1.15;
 /// Distance from the face, as a share of the distance from the edge, beyond which a point counts as past its end.
@@ -74,6 +76,13 @@ impl Brink {
         let ends = [self.edge.point + towards * (before_m + self.width_m), end];
         let radius = 0.5 * self.width_m.min(self.edge.point.distance(end));
         let wedge = self.edge.wedge(space, ends, self.outwards, radius)?;
+        // The way arrives along the face, and the leg after it is free: rounding must not hide its end.
+        let wedge = Wedge {
+            air_angle: wedge.air_angle - wedge.source_angle,
+            source_angle: 0.0,
+            receiver_angle: (wedge.receiver_angle - wedge.source_angle).min(PI),
+            ..wedge
+        };
         Some(1.0 + wedge.diffracted(k).sum([face; 2]) / (1.0 + face))
     }
 }

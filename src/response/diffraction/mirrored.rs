@@ -10,10 +10,10 @@
 //! From the image of the source to the listener a string crosses the plane once: the sound is reflected before the edge
 //! or after it. From the source itself to the listener it crosses the plane twice, or not at all.
 
-use super::lit::Lit;
+use super::lit::{Change, Lit};
 use super::space::{Obstacle, Space};
 use super::{DiffractedPath, Ends, ways_around};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::Bands;
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
@@ -134,7 +134,7 @@ impl Space for MirroredSpace<'_> {
     }
 
     fn distance(&self, point: DVec3) -> f64 {
-        let face = (self.mirror.surface, self.mirror.normal);
+        let face = (self.mirror.surface, (self.mirror.point, self.mirror.normal));
         self.exact
             .distance_without_face(self.mirror.in_front(point), face)
     }
@@ -180,18 +180,15 @@ impl MirroredSpace<'_> {
         all
     }
 
-    /// The energy of the reflection at the plane, relative to that without obstacles, by band, with the edges beside its
-    /// way.
+    /// The change of the reflection at the plane by the edges beside its way.
     pub fn beside(
         &self,
         (source, listener): Ends,
         speed: f64,
         coefficients: impl Fn(u32) -> Bands,
-    ) -> Bands {
+    ) -> Change {
         let lit = Lit::between(self, (self.mirror.image(source), listener));
-        lit.map_or([1.0; BAND_COUNT], |lit| {
-            lit.energy(self, speed, coefficients)
-        })
+        lit.map_or(Change::NONE, |lit| lit.change(self, speed, coefficients))
     }
 }
 
@@ -199,6 +196,7 @@ impl MirroredSpace<'_> {
 mod tests {
     use super::super::{around, around_mirrored, beside, beside_mirrored, tests};
     use super::*;
+    use crate::bands::BAND_COUNT;
 
     const SPEED: f64 = 343.0;
     const RIGID: fn(u32) -> Bands = |_| [1.0; BAND_COUNT];
@@ -247,7 +245,7 @@ mod tests {
     const DOUBLE_WALL: &str = "Surface(shape: Box(size: (0.2, 4, 4)))";
 
     /// Protects reflections behind a wall on the ground: they bend as the image of the source does behind a wall of twice
-    /// the height in the open. The ground is a plane, a half-space, a solid box, or the wall of a room.
+    /// the height in the open. The ground is a plane, a half-space, a solid box, the wall of a room, or a face of a mesh.
     #[test]
     fn reflections_at_the_ground_bend_as_around_a_wall_of_twice_the_height() {
         let double = exact(DOUBLE_WALL);
@@ -257,6 +255,7 @@ mod tests {
             "Surface(shape: HalfSpace(normal: (0, 1, 0), offset: 0))",
             "Surface(shape: Box(size: (100, 2, 100)), position: (0, -1, 0))",
             "Surface(shape: Room(size: (100, 60, 100)), position: (0, 30, 0))",
+            "Surface(shape: Rooms(of: [(name: \"r\", from: (-50, 0, -50), to: (50, 60, 50))]))",
         ] {
             let scene = exact(&format!("{floor}, {WALL}"));
             let paths = around_mirrored(&scene, ground(1), (SOURCE, LISTENER), SPEED, RIGID);
@@ -368,7 +367,7 @@ mod tests {
         let scene = exact(&format!("Surface(shape: Plane), {low}"));
         let (source, listener) = (DVec3::new(-3.0, 0.8, 0.0), DVec3::new(1.0, 1.8, 0.4));
         let [there, back] = [(source, listener), (listener, source)]
-            .map(|ends| beside_mirrored(&scene, ground(1), ends, SPEED, RIGID));
+            .map(|ends| beside_mirrored(&scene, ground(1), ends, SPEED, RIGID).energy);
         for (there, back) in there.into_iter().zip(back) {
             let apart_db = 10.0 * (there / back).log10();
             assert!(apart_db.abs() < 0.1, "{apart_db} dB");
@@ -385,8 +384,8 @@ mod tests {
         let mirror = ground(1);
         assert!(around_mirrored(&scene, mirror, ends, SPEED, RIGID).is_empty());
         let open = exact("Surface(shape: Box(size: (0.2, 0.4, 40)))");
-        let expected = beside(&open, (mirror.image(ends.0), ends.1), SPEED, RIGID);
-        let found = beside_mirrored(&scene, mirror, ends, SPEED, RIGID);
+        let expected = beside(&open, (mirror.image(ends.0), ends.1), SPEED, RIGID).energy;
+        let found = beside_mirrored(&scene, mirror, ends, SPEED, RIGID).energy;
         assert!(
             expected.iter().any(|share| (share - 1.0).abs() > 0.05),
             "{expected:?}"

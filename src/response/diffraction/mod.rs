@@ -26,8 +26,11 @@
 mod bend;
 mod brink;
 mod curvature;
+#[cfg(test)]
+mod doorways;
 mod edge;
 mod energies;
+mod errors;
 mod face;
 mod interference;
 mod lit;
@@ -55,6 +58,7 @@ pub(super) use face::Reflection;
 use glam::DVec3;
 use interference::band_mean;
 pub(super) use interference::in_samples;
+pub(super) use lit::Change;
 use lit::Lit;
 pub(super) use mirrored::Mirror;
 use mirrored::MirroredSpace;
@@ -165,15 +169,14 @@ pub(super) fn around_mirrored(
     from_either_end(ends, |ends| space.around(ends, speed, coefficients))
 }
 
-/// The energy of the reflection at a plane face, relative to that without obstacles, by band, with the edges of obstacles
-/// beside its way.
+/// The change of the reflection at a plane face by the edges of obstacles beside its way.
 pub(super) fn beside_mirrored(
     exact: &ExactScene,
     mirror: Mirror,
     ends: Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
-) -> Bands {
+) -> Change {
     let space = MirroredSpace {
         exact,
         mirror,
@@ -214,18 +217,16 @@ fn ways_around(space: &impl Space, (source, listener): Ends) -> Option<Ways> {
     Some(ways)
 }
 
-/// The energy of the direct sound, relative to that in the open, by band, with the edges beside the way from a source to
-/// a listener that see each other, and the energy that reflections which end at these edges leave behind.
+/// The change of the direct sound by the edges beside the way from a source to a listener that see each other, with the
+/// energy that reflections which end at these edges leave behind.
 pub(super) fn beside(
     exact: &ExactScene,
     ends: Ends,
     speed: f64,
     coefficients: impl Fn(u32) -> Bands,
-) -> Bands {
+) -> Change {
     let lit = Lit::between(exact, in_order(ends));
-    lit.map_or([1.0; BAND_COUNT], |lit| {
-        lit.energy(exact, speed, coefficients)
-    })
+    lit.map_or(Change::NONE, |lit| lit.change(exact, speed, coefficients))
 }
 
 impl DiffractedPath {

@@ -6,12 +6,14 @@
 
 use super::bend::Bend;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, face_distance_m};
+use super::errors::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::narrow::factor_of;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::touch::{MOST_DETOUR_M, SIDES, edge_at, touched};
+use super::touch::{MOST_DETOUR_M, SIDES, STRAIGHT, edge_at, touched};
 use super::wedge::{Wedge, behind_screen};
+use crate::bands::Bands;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -312,6 +314,14 @@ impl Rim {
         added
     }
 
+    /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energy that the edge adds, by band:
+    /// those behind it. An edge behind which no shadow begins is one of two.
+    pub fn errors_db(&self) -> Bands {
+        self.grazing
+            .as_ref()
+            .map_or(TWO_EDGES_ERRORS_DB, errors_of_bend_db)
+    }
+
     /// Difference in metres between the way over the edge and the straight way.
     pub fn detour_m(&self) -> f64 {
         self.length_m - self.source.distance(self.listener)
@@ -450,6 +460,3 @@ impl<'a, S: Space, F: Fn(usize) -> Option<Option<&'a TautString>>> Search<'_, S,
         touch.map(|(touch, _)| touch)
     }
 }
-
-/// Angle in radians between lines to neighbouring touches up to which they lie on a straight edge.
-const STRAIGHT: f64 = 0.01;

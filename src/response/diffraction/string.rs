@@ -8,6 +8,7 @@
 //! Only lines of sight are asked for: a string passes no wall, however thin, and needs no list of edges.
 
 use super::edge::Edge;
+use super::round::Arc;
 use super::space::Space;
 use super::tent::{LOWEST, Plane, bisect};
 use super::turn::{Contact, Turn};
@@ -74,6 +75,17 @@ impl TautString {
     fn highest(&self) -> DVec3 {
         let middle = self.contacts.get(self.contacts.len() / 2);
         middle.map_or(self.source, |contact| contact.point)
+    }
+
+    /// The way along the surface of a string with a single turn.
+    pub fn single_arc(&self) -> Option<Arc> {
+        let turns = self.turns();
+        let [turn] = &turns[..] else {
+            return None;
+        };
+        let before_m = self.source.distance(turn.entry);
+        let after_m = self.listener.distance(turn.exit);
+        (turn.arc_m > 0.0).then(|| turn.arc(before_m, after_m))
     }
 
     /// The turns of the string, each at an edge or along a curved surface.

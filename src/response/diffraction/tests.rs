@@ -292,7 +292,7 @@ fn levels_above_bars_are_those_of_boundary_elements() {
             before_m: way_m,
             after_m: way_m,
         };
-        let direct = beside(&exact, ends.into(), SPEED, |_| [1.0; 8]);
+        let direct = beside(&exact, ends.into(), SPEED, |_| [1.0; 8]).energy;
         let reflected = within_faces(&exact, &[reflection], SPEED);
         for (band, exact_db) in (1..).zip(exact_db) {
             let energy = direct[band] + reflected[band] * (3.0 / way_m).powi(2);

@@ -34,14 +34,31 @@ pub(super) fn edge_at(
     planes: &HalfPlanes,
     (azimuth, above): (f64, Option<&TautString>),
 ) -> Option<Edge> {
-    let (touch, side) = touched(space, planes, (azimuth, above), &SIDES)?;
-    let beside = |turn: f64| touched(space, planes, (azimuth + turn, above), &[side]);
-    let (other, _) = [TURN, -TURN].into_iter().find_map(beside)?;
-    Some(Edge {
-        point: touch,
-        along: (other - touch).try_normalize()?,
-    })
+    let (point, side) = touched(space, planes, (azimuth, above), &SIDES)?;
+    let beside = |turn: f64| {
+        let (other, _) = touched(space, planes, (azimuth + turn, above), &[side])?;
+        (other - point).try_normalize()
+    };
+    // Beyond the end of an edge, tents touch another edge.
+    let is_straight = |turn: f64, along: DVec3| {
+        let half = beside(0.5 * turn);
+        half.is_some_and(|half| half.angle_between(along) < STRAIGHT)
+    };
+    let mut all = [TURN, -TURN]
+        .into_iter()
+        .filter_map(|turn| Some((turn, beside(turn)?)));
+    let first = all.next()?;
+    let along = match is_straight(first.0, first.1) {
+        true => first.1,
+        false => all
+            .find(|(turn, along)| is_straight(*turn, *along))
+            .map_or(first.1, |(_, along)| along),
+    };
+    Some(Edge { point, along })
 }
+
+/// Angle in radians between lines to neighbouring touches up to which they lie on a straight edge.
+pub(super) const STRAIGHT: f64 = 0.01;
 
 /// Distance at which the search for the end of a face begins, as a share of the distance between source and listener, and
 /// the factor between distances that are tried.

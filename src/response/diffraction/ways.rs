@@ -1,6 +1,7 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
 use super::bend::Bend;
+use super::errors::{GAP_ERRORS_DB, errors_of_bend_db, most};
 use super::interference::Sound;
 use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
@@ -24,14 +25,6 @@ const BESIDE: f64 = 0.1;
 
 /// Angle in half-planes up to which a bend belongs to a basin: the search for the stationary way moves it.
 const SAME_BASIN: f64 = 3.0;
-
-/// Half-widths in decibels, by band, of the intervals that contain 95 % of the errors of levels, measured on places drawn
-/// at random: behind a straight edge; behind 600 balls and 40 cylinders; over two edges, against the boundary-element
-/// values of bars; and where a second obstacle is beyond the first, against those of a doorway (`tests/diffraction`).
-const EDGE_ERRORS_DB: Bands = [0.1; BAND_COUNT];
-const ROUND_ERRORS_DB: Bands = [1.6, 1.1, 0.8, 0.7, 0.7, 0.7, 0.6, 0.5];
-const TWO_EDGES_ERRORS_DB: Bands = [4.0, 3.5, 2.0, 1.5, 1.5, 1.7, 2.0, 2.5];
-const GAP_ERRORS_DB: Bands = [4.0, 4.0, 2.0, 2.5, 4.5, 6.0, 10.0, 10.0];
 
 /// The ways around what is between two points.
 pub(super) struct Ways {
@@ -60,6 +53,8 @@ pub(super) struct Way {
     own: Vec<Samples>,
     /// Detours over the lines of its edges.
     lines: Vec<Samples>,
+    /// The least detour over these lines in metres: less than that of the way if they end before.
+    endless_m: f64,
     /// Ways along the surface in each half-plane, if the way has a single turn and that is curved.
     arcs: Vec<Option<Arc>>,
     /// Wavelength over 2π in metres at which the factor of the way counts half: infinite for an obstacle without an end.
@@ -235,16 +230,9 @@ impl Ways {
 
     /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energies, by band.
     pub fn errors_db(&self) -> Bands {
-        let of_way = |way: &Way| match (way.bend.turns.len(), way.bend.is_plain()) {
-            (1, true) => EDGE_ERRORS_DB,
-            (1, false) if way.bend.turns[0].arc_m > 0.0 => ROUND_ERRORS_DB,
-            _ => TWO_EDGES_ERRORS_DB,
-        };
+        let of_ways = self.bends.iter().map(|way| errors_of_bend_db(&way.bend));
         let of_rims = (!self.rims.is_empty()).then_some(GAP_ERRORS_DB);
-        let all = self.bends.iter().map(of_way).chain(of_rims);
-        all.fold([0.0; BAND_COUNT], |most, errors| {
-            std::array::from_fn(|band| most[band].max(errors[band]))
-        })
+        of_ways.chain(of_rims).fold([0.0; BAND_COUNT], most)
     }
 }
 
@@ -259,7 +247,7 @@ impl Way {
     ) -> Way {
         let arcs = strings
             .iter()
-            .map(|string| string.as_ref().and_then(single_arc))
+            .map(|string| string.as_ref().and_then(TautString::single_arc))
             .collect();
         let apart_m = planes.apart_m();
         let detour_m = bend.length_m - apart_m;
@@ -288,6 +276,7 @@ impl Way {
             own: vec![own],
             arcs,
             lines: all_samples(&lines),
+            endless_m: bend.length_over_endless_lines() - apart_m,
             wide_m,
             growth_m,
             edge_growth_m,
@@ -377,10 +366,11 @@ impl Way {
         let round = bend.most_round(space, k);
         let [mut all, mut opposite] = [Complex64::ZERO; 2];
         if round < 1.0 {
-            let straight = screen(detour_m);
-            let factor = (1.0 - round) * relative(product * (apart_m / bend.length_m) / straight);
+            let alone = product * (apart_m / bend.length_m) / screen(detour_m);
+            let factor = (1.0 - round) * relative(alone);
             let [own, beyond] = self.sums(k, |_| Complex64::ONE);
-            let front = straight * Complex64::cis(k * detour_m) + own - ring::sum(&self.lines, k);
+            let endless = screen(self.endless_m) * Complex64::cis(k * self.endless_m);
+            let front = endless + own - ring::sum(&self.lines, k);
             all += factor * front;
             opposite += factor * beyond;
         }
@@ -452,15 +442,4 @@ fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut
         let length = bend.length_over_lines(planes, azimuth);
         *detour = length.map(|length| length - planes.apart_m());
     }
-}
-
-/// The way along the surface of a string with a single turn.
-fn single_arc(string: &TautString) -> Option<Arc> {
-    let turns = string.turns();
-    let [turn] = &turns[..] else {
-        return None;
-    };
-    let before_m = string.source.distance(turn.entry);
-    let after_m = string.listener.distance(turn.exit);
-    (turn.arc_m > 0.0).then(|| turn.arc(before_m, after_m))
 }

@@ -5,6 +5,9 @@
 //! error. If a surface on a path focuses sound, the mean is taken from the waves, because the energy varies strongly
 //! between points near a caustic. If the energy of the waves of all paths differs from the mean by more than three
 //! standard deviations, the excess is also part of the error.
+//!
+//! The waves do not bend. If edges change the paths, the means and the waves are changed by the same factors, and the paths
+//! around obstacles are part of all compared figures. The errors of these paths are part of the figures' error too.
 
 use super::EarlyPart;
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -22,8 +25,12 @@ const CHORD_SPREAD: f64 = 9.0 / 8.0;
 /// The early part of a response: its exact paths, and the waves that the paths replace.
 pub(in crate::response) struct Caught {
     pub part: EarlyPart,
-    /// The sound along all exact paths.
-    pub paths: Vec<HeardPath>,
+    /// The sound along all exact paths, changed by edges beside them.
+    paths: Vec<HeardPath>,
+    /// The energy of each path, relative to that without edges, by band.
+    changes: Vec<Bands>,
+    /// The sound along the paths around and through obstacles.
+    hidden: Vec<HeardPath>,
     /// For each surface, whether it focuses sound.
     gather: Vec<bool>,
     /// The paths' mean over the listener's sphere, without paths at foci and over surfaces that focus sound.
@@ -31,18 +38,33 @@ pub(in crate::response) struct Caught {
 }
 
 impl Caught {
-    pub fn new(pair: Pair, medium: &Medium, part: EarlyPart) -> Caught {
+    /// `straight` are the exact paths of `part`, and `paths` the same paths, changed by edges beside them.
+    pub fn new(
+        (pair, medium): (Pair, &Medium),
+        part: EarlyPart,
+        (straight, paths): (&[HeardPath], Vec<HeardPath>),
+        hidden: Vec<HeardPath>,
+    ) -> Caught {
         let surfaces = pair.scene.surfaces.iter();
+        let change = |(straight, bent): (&HeardPath, &HeardPath)| -> Bands {
+            std::array::from_fn(|band| match straight.energy[band] > 0.0 {
+                true => bent.energy[band] / straight.energy[band],
+                false => 1.0,
+            })
+        };
         let mut caught = Caught {
-            paths: part.heard(pair, medium),
+            changes: straight.iter().zip(&paths).map(change).collect(),
+            paths,
+            hidden,
             part,
             gather: surfaces.map(|one| one.shape.gathers_sound()).collect(),
             means: Vec::new(),
         };
         let is_left_out = |path: &SpecularPath| caught.is_left_out(path);
-        caught.means = caught
-            .part
-            .mean_taps(pair, medium, &caught.paths, &is_left_out);
+        caught.means =
+            caught
+                .part
+                .mean_taps(pair, medium, (&caught.paths, &caught.changes), &is_left_out);
         caught
     }
 
@@ -59,6 +81,11 @@ impl Caught {
         let by_means = [&self.means[..], &left_out].concat();
         let mut figures =
             figures.with_differences(Record::new(&by_means, echogram, ends_s), &bands::ALL);
+        let mut all = self.paths.iter().chain(&self.hidden);
+        if all.any(|heard| heard.errors_db != [0.0; BAND_COUNT]) {
+            let all = self.uncertain();
+            figures = figures.with_differences(Record::new(&all, echogram, ends_s), &bands::ALL);
+        }
         if self.gather.contains(&true) {
             let exact = self.taps(&|path| path.is_focus || !is_gathered(path));
             let of_waves = self.with_waves(medium, echogram, &|path| path.is_some_and(is_gathered));
@@ -84,10 +111,38 @@ impl Caught {
         path.is_focus || self.is_gathered(path)
     }
 
-    /// The exact paths for which `is_taken` holds, as taps.
+    /// The exact paths for which `is_taken` holds, and those around and through obstacles, as taps.
     fn taps(&self, is_taken: &dyn Fn(&SpecularPath) -> bool) -> Vec<Tap> {
         let taken = self.paths.iter().filter(|heard| is_taken(&heard.path));
-        taken.map(HeardPath::tap_of_energy).collect()
+        let all = taken.chain(&self.hidden);
+        all.map(HeardPath::tap_of_energy).collect()
+    }
+
+    /// All paths as taps, those around obstacles or beside edges louder by one standard deviation of their errors: half of the half-width
+    /// of the interval that contains 95 %.
+    fn uncertain(&self) -> Vec<Tap> {
+        let tap = |heard: &HeardPath| {
+            let louder =
+                |band: usize| heard.energy[band] * 10.0_f64.powf(0.05 * heard.errors_db[band]);
+            Tap {
+                energy: std::array::from_fn(louder),
+                ..heard.tap_of_energy()
+            }
+        };
+        self.paths.iter().chain(&self.hidden).map(tap).collect()
+    }
+
+    /// The waves that the paths replace, with the changes of the paths, and their paths.
+    fn waves(&self) -> impl Iterator<Item = (Arrival, Option<&SpecularPath>)> {
+        self.part.caught().map(|(arrival, path)| match path {
+            Some(path) => {
+                let changes = &self.changes[path];
+                let energy = std::array::from_fn(|band| arrival.energy[band] * changes[band]);
+                let changed = Arrival { energy, ..*arrival };
+                (changed, Some(&self.paths[path].path))
+            }
+            None => (*arrival, None),
+        })
     }
 
     /// The echogram plus the waves of the paths for which `is_taken` holds.
@@ -98,8 +153,8 @@ impl Caught {
         is_taken: &dyn Fn(Option<&SpecularPath>) -> bool,
     ) -> Echogram {
         let mut with_waves = echogram.clone();
-        for (arrival, _) in self.part.caught().filter(|(_, path)| is_taken(*path)) {
-            medium.add(&mut with_waves, arrival);
+        for (arrival, _) in self.waves().filter(|(_, path)| is_taken(*path)) {
+            medium.add(&mut with_waves, &arrival);
         }
         with_waves
     }
@@ -114,9 +169,9 @@ impl Caught {
         let is_compared = |arrival: &Arrival, path: Option<&SpecularPath>| {
             arrival.length_m / medium.speed <= ends_s && !path.is_some_and(is_left_out)
         };
-        for (arrival, path) in self.part.caught() {
-            if is_compared(arrival, path) {
-                let heard = medium.heard(arrival);
+        for (arrival, path) in self.waves() {
+            if is_compared(&arrival, path) {
+                let heard = medium.heard(&arrival);
                 bands::add(&mut surplus, &heard.map(|energy| -energy));
             }
         }

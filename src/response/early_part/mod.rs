@@ -215,15 +215,12 @@ impl EarlyPart {
         self.arrivals_of(Outcome::LeftOut)
     }
 
-    /// The arrivals that exact paths replace, except at foci. Each arrival comes with its path, or with `None` if
-    /// another path over planes replaces it.
-    pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
+    /// The arrivals that exact paths replace, except at foci. Each arrival comes with the index of its path, or with `None`
+    /// if another path over planes replaces it.
+    pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<usize>)> {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter_map(|(arrival, outcome)| match outcome {
-            Outcome::Path(path) => {
-                let path = &self.paths[*path];
-                (!path.is_focus).then_some((arrival, Some(path)))
-            }
+            Outcome::Path(path) => (!self.paths[*path].is_focus).then_some((arrival, Some(*path))),
             Outcome::Another => Some((arrival, None)),
             Outcome::Itself | Outcome::Hidden(_) | Outcome::LeftOut | Outcome::NotFollowed => None,
         })
@@ -260,16 +257,16 @@ impl EarlyPart {
     }
 
     /// The mean energy of the paths over the listener's sphere, as taps, without the paths for which `is_left_out`
-    /// holds; `heard` is the sound [along all paths](Self::heard).
+    /// holds; `heard` is the sound along all paths, with the `changes` of their energies by edges.
     pub fn mean_taps(
         &self,
         pair: Pair,
         medium: &Medium,
-        heard: &[HeardPath],
+        (heard, changes): (&[HeardPath], &[Bands]),
         is_left_out: &dyn Fn(&SpecularPath) -> bool,
     ) -> Vec<Tap> {
         match &self.replaced {
-            Some(replaced) => replaced.mean_taps(pair, medium, heard, is_left_out),
+            Some(replaced) => replaced.mean_taps(pair, medium, (heard, changes), is_left_out),
             None => unhidden_taps(heard, pair.listener.radius.into(), is_left_out),
         }
     }

@@ -164,12 +164,13 @@ impl Replaced {
     }
 
     /// The mean energy of the paths and images over the unobstructed part of the sphere, as taps at the times of paths
-    /// to its centre. `heard` contains all exact paths. The taps leave out paths for which `is_left_out` holds.
+    /// to its centre. `heard` contains all exact paths, with the `changes` of their energies by edges. The taps leave out
+    /// paths for which `is_left_out` holds.
     pub fn mean_taps(
         &self,
         pair: Pair,
         medium: &Medium,
-        heard: &[HeardPath],
+        (heard, changes): (&[HeardPath], &[Bands]),
         is_left_out: &dyn Fn(&SpecularPath) -> bool,
     ) -> Vec<Tap> {
         let mut places = places(&self.ends);
@@ -203,7 +204,9 @@ impl Replaced {
                 let length_m = image.place.distance(self.ends.listener);
                 let radiated = pair.source.factor(image.departure);
                 let reflected = reflectance(pair.scene, &image.at);
-                let energy = std::array::from_fn(|band| radiated[band] * reflected[band]);
+                let change = image.path.map_or(bands::ALL, |path| changes[path]);
+                let energy =
+                    std::array::from_fn(|band| radiated[band] * reflected[band] * change[band]);
                 taps.push(tap(length_m, energy, spreading));
             }
         }
@@ -214,8 +217,10 @@ impl Replaced {
             .filter(|(_, path)| is_kept(**path))
         {
             let spreading = found.iter().map(|(_, curved)| curved[index]).sum();
-            let path = &heard[*path].path;
-            taps.push(tap(path.length_m, radiated_along(pair, path), spreading));
+            let (change, path) = (changes[*path], &heard[*path].path);
+            let radiated = radiated_along(pair, path);
+            let energy = std::array::from_fn(|band| radiated[band] * change[band]);
+            taps.push(tap(path.length_m, energy, spreading));
         }
         let others = self.others.iter().filter(|path| is_kept(**path));
         taps.extend(others.map(|path| heard[*path].tap_of_energy()));

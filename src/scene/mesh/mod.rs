@@ -218,7 +218,17 @@ impl TriangleMesh {
 
     /// Signed distance in metres from a point to the nearest face: positive in the air.
     pub(crate) fn distance(&self, p: DVec3) -> f64 {
-        self.tree().signed_distance(self, p)
+        self.tree().signed_distance(self, p, |_| true)
+    }
+
+    /// Signed distance in metres from a point in front of a plane through `on_plane` to the nearest face in front of
+    /// it, also partly.
+    pub(crate) fn distance_in_front(&self, p: DVec3, on_plane: DVec3, normal: DVec3) -> f64 {
+        let flat = facets::FLATNESS * self.extent();
+        let height = |corner: Vec3| (corner.as_dvec3() - on_plane).dot(normal);
+        let is_in_front =
+            |triangle: &Triangle| triangle.corners.iter().any(|corner| height(*corner) > flat);
+        self.tree().signed_distance(self, p, is_in_front)
     }
 
     /// The first face met by the line from `origin` along the unit vector `direction` within `until` metres, from its

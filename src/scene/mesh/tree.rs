@@ -9,7 +9,7 @@
 
 use super::TriangleMesh;
 use super::edges::Edges;
-use super::triangle::Part;
+use super::triangle::{Part, Triangle};
 use glam::{DVec3, Vec3};
 
 /// Maximum number of triangles in a leaf.
@@ -128,8 +128,13 @@ impl Tree {
         }
     }
 
-    /// See [`TriangleMesh::distance`].
-    pub fn signed_distance(&self, mesh: &TriangleMesh, p: DVec3) -> f64 {
+    /// The signed distance from a point to the nearest of the triangles that count.
+    pub fn signed_distance(
+        &self,
+        mesh: &TriangleMesh,
+        p: DVec3,
+        counts: impl Fn(&Triangle) -> bool,
+    ) -> f64 {
         let mut nearest = f64::INFINITY;
         let mut found = None;
         let mut waiting = vec![(self.nodes[0].squared_distance(p), 0)];
@@ -146,9 +151,10 @@ impl Tree {
                 continue;
             }
             for &index in self.leaf(node) {
-                let (place, part) = mesh.triangle(index).nearest(p);
+                let triangle = mesh.triangle(index);
+                let (place, part) = triangle.nearest(p);
                 let squared = place.distance_squared(p);
-                if squared < nearest {
+                if squared < nearest && counts(&triangle) {
                     nearest = squared;
                     found = Some((index, place, part));
                 }

@@ -107,7 +107,8 @@ struct PathReport<'a> {
     /// Strength *G* of the mean energy of all bands.
     g_db: Option<f64>,
     g_db_bands: Vec<Option<f64>>,
-    /// Half-widths of the intervals that contain 95 % of the errors of `g_db_bands`, in decibels, for diffracted paths.
+    /// Half-widths of the intervals that contain 95 % of the errors of `g_db_bands`, in decibels, for paths
+    /// that edges change.
     #[serde(skip_serializing_if = "Option::is_none")]
     errors_db: Option<Bands>,
     azimuth_deg: f64,
@@ -200,7 +201,7 @@ fn of_path<'a>(scene: &'a Scene, path: &'a HeardPath) -> PathReport<'a> {
             .iter()
             .map(|energy| Figures::strength_db(*energy))
             .collect(),
-        errors_db: (path.kind == PathKind::Diffracted).then_some(path.errors_db),
+        errors_db: Some(path.errors_db).filter(|errors| errors.iter().any(|error| *error > 0.0)),
         azimuth_deg: path.azimuth.to_degrees(),
         elevation_deg: path.elevation.to_degrees(),
         is_focus: path.path.is_focus,

@@ -2,7 +2,7 @@
 
 mod pressure;
 
-use super::brink::Brink;
+use super::brink::{self, Brink};
 use super::curvature::{curvature, least_curvature_step_m, on_surface, turns_of};
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, shorten};
 use super::round::Arc;
@@ -73,7 +73,8 @@ impl Bend {
     }
 
     /// The way over `edge` just below the boundary of the shadow, `after_m` metres before its end. `outwards` points away from
-    /// the solid.
+    /// the solid. `None` if the way leads into the solid, as beyond the near edge of a jamb whose inner face the source
+    /// sees: no shadow begins at this edge.
     pub fn grazing(
         space: &impl Space,
         source: DVec3,
@@ -97,7 +98,11 @@ impl Bend {
             edges: vec![edge],
             brinks: [None; 2],
         };
-        Some(grazing.with_brinks(space))
+        let beyond = edge.point + below.normalize() * (brink::FIRST * after_m);
+        match grazing.is_sharp() && space.distance(beyond) < 0.0 {
+            true => None,
+            false => Some(grazing.with_brinks(space)),
+        }
     }
 
     /// A string and the lines of its edges, from the string in a half-plane next to its own.
@@ -107,7 +112,13 @@ impl Bend {
             let other = turns_of(space, &planes.string(space, string.azimuth + turn)?);
             (other.len() == turns.len()).then_some(other)
         };
-        let other = [TURN, -TURN].into_iter().find_map(beside)?;
+        let mut others = [TURN, -TURN].into_iter().filter_map(beside);
+        let first = others.next()?;
+        let is_straight = |other: &Vec<Turn>| are_on_edges(space, &turns, other, planes.apart_m());
+        let other = match is_straight(&first) {
+            true => first,
+            false => others.find(is_straight).unwrap_or(first),
+        };
         let edge = |(turn, other): (&Turn, &Turn)| {
             Some(Edge {
                 point: turn.apex,
@@ -265,6 +276,13 @@ impl Bend {
         Some(string::length(&points) - string::length(&self.points) + self.length_m)
     }
 
+    /// Length in metres of the shortest way over the lines of the edges, also where the edges end before.
+    pub fn length_over_endless_lines(&self) -> f64 {
+        let mut points = self.points.clone();
+        shorten(&mut points, &self.edges);
+        string::length(&points) - string::length(&self.points) + self.length_m
+    }
+
     /// Whether the way over the lines of the edges lies on them, and is free, in the half-plane of an azimuth.
     pub fn is_free_over_lines(
         &self,
@@ -295,6 +313,15 @@ impl Bend {
         points.push(self.points[last]);
         Some(points)
     }
+}
+
+/// Whether the lines between the turns of neighbouring strings lie on edges of solids: between an edge and the next one,
+/// as a jamb and a lintel, they do not.
+fn are_on_edges(space: &impl Space, turns: &[Turn], others: &[Turn], apart_m: f64) -> bool {
+    turns.iter().zip(others).all(|(turn, other)| {
+        let middle = 0.5 * (turn.apex + other.apex);
+        turn.arc_m > 0.0 || space.distance(middle).abs() <= ON_SURFACE * apart_m
+    })
 }
 
 /// Length in metres of the shorter leg at the point `contact` of a way.

@@ -1,0 +1,112 @@
+//! Levels while a listener walks past doorways: pressures are continuous, so that a level changes little in a centimetre.
+
+use super::{Ends, Mirror, around, around_mirrored, beside, tests};
+use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::geometry::ExactScene;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+const SPEED: f64 = 343.0;
+const WALLS: fn(u32) -> Bands = |_| [0.9; BAND_COUNT];
+
+/// Two rooms of this height, joined by a doorway in a wall from x = 5 m to `far`, from `low` to `high` along z.
+fn rooms(height: f64, far: f64, [low, high]: [f64; 2], top: f64, ends: Ends) -> ExactScene {
+    let rooms = format!(
+        "Surface(shape: Rooms(of: [(name: \"a\", from: (0, 0, 0), to: (5, {height}, 4)), \
+         (name: \"d\", from: (5, 0, {low}), to: ({far}, {top}, {high})), \
+         (name: \"b\", from: ({far}, 0, -1), to: (9, {height}, 5))]))"
+    );
+    tests::exact(&rooms, ends)
+}
+
+/// The greatest change of a level in decibels between neighbouring places, in bands up to `until_hz`.
+fn greatest_step_db(levels: &[Bands], until_hz: f64) -> f64 {
+    let bands = BANDS_HZ.iter().filter(|hz| **hz <= until_hz).count();
+    let step = |places: &[Bands]| {
+        let step = |band: usize| 10.0 * (places[0][band] / places[1][band]).log10().abs();
+        (0..bands).map(step).fold(0.0, f64::max)
+    };
+    levels.windows(2).map(step).fold(0.0, f64::max)
+}
+
+/// The energies of the direct sound, relative to the open, in sight and hidden.
+fn direct(exact: &ExactScene, ends: Ends) -> Bands {
+    let paths = around(exact, ends, SPEED, WALLS);
+    if paths.is_empty() {
+        return beside(exact, ends, SPEED, WALLS).energy;
+    }
+    let open = 4.0 * PI * ends.0.distance_squared(ends.1);
+    std::array::from_fn(|band| paths.iter().map(|path| path.energy[band] * open).sum())
+}
+
+/// The energies of the ways with one reflection.
+fn reflected(exact: &ExactScene, mirror: Mirror, ends: Ends) -> Bands {
+    let paths = around_mirrored(exact, mirror, ends, SPEED, WALLS);
+    let once = || paths.iter().filter(|path| path.reflections.len() == 1);
+    std::array::from_fn(|band| once().map(|path| path.energy[band]).sum())
+}
+
+/// Protects walks in sight of a source through a doorway: an edge behind which no shadow begins, as that of a jamb whose
+/// inner face the source sees, has no pressure at the boundary of a shadow. Rounding chose between two.
+#[test]
+fn levels_in_sight_through_a_doorway_are_continuous() {
+    let walk = (160..=200).map(|z| {
+        let ends = (
+            DVec3::new(2.5, 1.4, 2.6),
+            DVec3::new(7.0, 1.6, 0.01 * f64::from(z)),
+        );
+        direct(&rooms(2.7, 5.2, [1.5, 2.4], 2.05, ends), ends)
+    });
+    let step = greatest_step_db(&walk.collect::<Vec<_>>(), 2_000.0);
+    assert!(step < 1.0, "{step} dB");
+}
+
+/// Protects ways beside a second edge: a line between the two edges of a lintel counts as none of them.
+#[test]
+fn levels_behind_a_jamb_below_a_lintel_are_continuous() {
+    let walk = (40..=55).map(|z| {
+        let ends = (
+            DVec3::new(3.2, 1.1, 0.7),
+            DVec3::new(6.2, 1.2, 0.01 * f64::from(z)),
+        );
+        direct(&rooms(2.4, 5.1, [0.8, 1.7], 2.0, ends), ends)
+    });
+    let step = greatest_step_db(&walk.collect::<Vec<_>>(), 8_000.0);
+    assert!(step < 1.0, "{step} dB");
+}
+
+/// Protects reflections at the ceiling that bend around the corner between jamb and lintel. The way there is not the
+/// shortest over the line of either edge, so that the sum over the half-planes of this line is another one.
+#[test]
+fn a_reflection_at_the_ceiling_does_not_jump_at_the_corner_of_a_doorway() {
+    let walk = [1.90, 1.92, 1.94, 1.95, 1.96, 1.97].map(|z| {
+        let ends = (DVec3::new(1.52, 1.44, 2.61), DVec3::new(7.69, 1.42, z));
+        let exact = rooms(3.04, 5.25, [1.12, 1.95], 2.05, ends);
+        let ceiling = Mirror {
+            surface: 1,
+            point: DVec3::new(2.0, 3.04, 2.0),
+            normal: -DVec3::Y,
+        };
+        reflected(&exact, ceiling, ends)
+    });
+    let step = greatest_step_db(&walk, 8_000.0);
+    assert!(step < 2.0, "{step} dB");
+}
+
+/// Protects listeners in the plane of a jamb's inner face: rounding does not hide them from its far edge.
+#[test]
+fn a_reflection_heard_in_the_plane_of_a_jamb_is_continuous() {
+    let back = Mirror {
+        surface: 1,
+        point: DVec3::new(0.0, 1.0, 1.0),
+        normal: DVec3::X,
+    };
+    let walk = [2.39_f32, 2.4, 2.41].map(|z| {
+        let source = DVec3::new(2.5, f64::from(1.4_f32), f64::from(2.6_f32));
+        let ends = (source, DVec3::new(7.0, f64::from(1.6_f32), f64::from(z)));
+        let exact = rooms(2.7, 5.2, [1.5, 2.4], 2.05, ends);
+        reflected(&exact, back, ends)
+    });
+    let step = greatest_step_db(&walk, 8_000.0);
+    assert!(step < 1.0, "{step} dB");
+}
