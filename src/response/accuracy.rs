@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::serialised::finite;
 use crate::tracer::{Settings, TraceError};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The accuracy of a response's figures, and the limits of the effort for it.
 ///
@@ -29,6 +30,40 @@ pub struct Accuracy {
     /// machine.
     #[serde(serialize_with = "finite")]
     pub time_limit_s: Option<f64>,
+}
+
+/// Why no further round follows for a listener.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub(crate) enum Ended {
+    /// No kind of waves that can grow reduces the errors further.
+    NothingOpen,
+    /// The maximum number of waves.
+    Waves(u32),
+    /// The maximum product of waves and iterations.
+    Flights,
+    /// The time limit.
+    Time,
+    /// The maximum number of rounds.
+    Rounds,
+}
+
+impl fmt::Display for Ended {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        const MILLION: u64 = 1_000_000;
+        match self {
+            Ended::NothingOpen => {
+                write!(f, "more waves do not reduce the noise of early arrivals")
+            }
+            Ended::Waves(waves) => write!(f, "the limit of {waves} waves ended the rounds"),
+            Ended::Flights => write!(
+                f,
+                "the limit of {} million waves times iterations ended the rounds",
+                MOST_FLIGHTS / MILLION
+            ),
+            Ended::Time => write!(f, "the time limit ended the rounds"),
+            Ended::Rounds => write!(f, "the greatest number of rounds is reached"),
+        }
+    }
 }
 
 impl Default for Accuracy {
@@ -101,6 +136,14 @@ impl Accuracy {
     /// The maximum number of waves, however far they fly.
     pub(super) fn most_waves_asked(&self) -> u32 {
         self.most_waves.unwrap_or(Settings::MAX_WAVES)
+    }
+
+    /// The limit that holds for waves that fly this number of iterations.
+    pub(super) fn limit_of_waves(&self, iterations: u32) -> Ended {
+        match self.most_waves {
+            None if self.most_waves(iterations, 0) < Settings::MAX_WAVES => Ended::Flights,
+            _ => Ended::Waves(self.most_waves_asked()),
+        }
     }
 
     /// The maximum number of waves that fly this number of iterations: at least `least` without a limit of waves.

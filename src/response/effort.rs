@@ -4,7 +4,7 @@
 //! the onset end after the first part of the record, and the others are followed to the record's end. The noise of each
 //! figure is attributed to them, and the numbers grow where the noise is.
 
-use super::accuracy::Accuracy;
+use super::accuracy::{Accuracy, Ended};
 use super::figures::{Demand, Growth, Parts, Record};
 use super::from_arrivals::Traced;
 use super::late::Onset;
@@ -158,15 +158,17 @@ impl Effort {
         settings
     }
 
-    /// The effort of the next round after a response of this effort; `None` if its figures are accurate, or if all
-    /// waves are spent.
+    /// The effort of the next round after a response of this effort.
+    ///
+    /// # Errors
+    /// Why none follows: its figures are accurate, or all waves are spent.
     pub fn further(
         self,
         traced: &Traced,
         pair: Pair,
         settings: &ResponseSettings,
         accuracy: &Accuracy,
-    ) -> Option<Effort> {
+    ) -> Result<Effort, Ended> {
         let response = &traced.response;
         let can_grow = settings.seconds.is_none() && decays(pair);
         let seconds = match can_grow && is_cut_off(response) {
@@ -182,10 +184,11 @@ impl Effort {
         };
         let demands = now.demands(traced, pair, accuracy);
         let grown = now.grown(&demands).within(now, iterations, accuracy);
-        match demands.iter().any(Demand::is_open) && grown.exceeds(now) {
-            true => Some(Effort { seconds, ..grown }),
-            _ if seconds > now.seconds => Some(Effort { seconds, ..now }),
-            _ => None,
+        match demands.iter().any(Demand::is_open) {
+            true if grown.exceeds(now) => Ok(Effort { seconds, ..grown }),
+            _ if seconds > now.seconds => Ok(Effort { seconds, ..now }),
+            true => Err(accuracy.limit_of_waves(iterations)),
+            false => Err(Ended::NothingOpen),
         }
     }
 

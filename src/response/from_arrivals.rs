@@ -70,6 +70,7 @@ pub(super) fn response(
             waves: settings.late_trace().waves,
             onset_waves: settings.onset_waves(),
             accuracy: None,
+            ended: None,
             milliseconds: 0.0,
             diffraction_milliseconds,
         };
@@ -123,6 +124,7 @@ pub(super) fn response(
         waves: settings.late_trace().waves,
         onset_waves: settings.onset_waves(),
         accuracy: None,
+        ended: None,
         milliseconds: 0.0,
         diffraction_milliseconds,
     };

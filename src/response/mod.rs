@@ -104,6 +104,7 @@ use crate::error::Error;
 use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
 use crate::tracer::{ArrivalCounts, TraceError, Tracer};
+use accuracy::Ended;
 pub use exact_paths::{Missed, SpecularPath};
 use serde::{Deserialize, Serialize};
 use shared::Listeners;
@@ -166,6 +167,9 @@ pub struct Response {
     /// The requested accuracy ([`Accuracy::share`]); `None` without one.
     #[serde(default)]
     pub accuracy: Option<f64>,
+    /// Why no further round followed; `None` without a requested accuracy.
+    #[serde(default)]
+    pub(crate) ended: Option<Ended>,
     /// Time in milliseconds, including the compilation of new shaders. Listeners that share waves share their time in equal
     /// parts.
     pub milliseconds: f64,

@@ -1,6 +1,6 @@
 //! Rounds with more and more waves, until the errors of all figures have the requested accuracy.
 
-use super::accuracy::Accuracy;
+use super::accuracy::{Accuracy, Ended};
 use super::effort::{Effort, Took};
 use super::shared::Listeners;
 use super::{Response, ResponseSettings};
@@ -51,20 +51,20 @@ pub(super) fn trace(
             traced.response.accuracy = Some(accuracy.share);
             traced.response.milliseconds = before_ms + share_s * 1e3;
         }
-        let mut further: Vec<Option<Effort>> = match round == MOST_ROUNDS {
-            true => vec![None; traced.len()],
-            false => (traced.iter().zip(&pairs))
-                .map(|(traced, pair)| next.further(traced, *pair, settings, accuracy))
-                .collect(),
-        };
+        let of_listener =
+            |(traced, pair): (&_, &_)| next.further(traced, *pair, settings, accuracy);
+        let mut further: Vec<Result<Effort, Ended>> =
+            traced.iter().zip(&pairs).map(of_listener).collect();
         let responses = traced.into_iter().map(|traced| traced.response);
-        let responses: Vec<Response> = responses.collect();
+        let mut responses: Vec<Response> = responses.collect();
         let all = further.iter().flatten().copied().reduce(Effort::and);
         let iterations = responses.iter().map(|response| response.counts.iterations);
         let most_iterations = iterations.max().unwrap_or(0);
         let all = all.map(|wanted| wanted.within(next, most_iterations, accuracy));
         let all = all.filter(|wanted| wanted.exceeds(next));
+        let all = all.ok_or(accuracy.limit_of_waves(most_iterations));
         let all = all.and_then(|wanted| match accuracy.time_limit_s {
+            _ if round == MOST_ROUNDS => Err(Ended::Rounds),
             Some(limit_s) => {
                 let keeps_waves = open.keeps_waves(&of_round, next.seconds);
                 // The figures of the round are counted too.
@@ -73,25 +73,27 @@ pub(super) fn trace(
                     last_s: now_s - before_s,
                     extended_s: keeps_waves.then_some(now_s - tallies_began_s),
                 };
-                wanted.fitting(limit_s - now_s, next, took)
+                let fitting = wanted.fitting(limit_s - now_s, next, took);
+                fitting.ok_or(Ended::Time)
             }
-            None => Some(wanted),
+            None => Ok(wanted),
         });
-        if all.is_none() {
-            further.fill(None);
+        for (further, response) in further.iter_mut().zip(&mut responses) {
+            *further = further.and_then(|effort| all.map(|_| effort));
+            response.ended = further.err();
         }
         observe(Round {
             responses: &responses,
-            finished: further.iter().filter(|effort| effort.is_none()).count(),
-            next_waves: all.map(|effort| effort.onset_waves),
+            finished: further.iter().filter(|effort| effort.is_err()).count(),
+            next_waves: all.ok().map(|effort| effort.onset_waves),
         });
         for (index, response) in open_indices.iter().zip(responses) {
             last[*index] = Some(response);
         }
-        let Some(effort) = all else {
+        let Ok(effort) = all else {
             break;
         };
-        let is_open: Vec<bool> = further.iter().map(Option::is_some).collect();
+        let is_open: Vec<bool> = further.iter().map(Result::is_ok).collect();
         open.keep(&is_open);
         pairs = open.pairs();
         let mut is_kept = is_open.into_iter();

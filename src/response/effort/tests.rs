@@ -263,3 +263,28 @@ fn only_the_onset_has_more_waves() {
         noise(&few)
     );
 }
+
+/// Protects the reader from a note that names another limit than the one that ended the rounds.
+#[test]
+fn the_note_names_the_limit_that_ended_the_rounds() {
+    let mut tracer = Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
+    let scene = scattering_room();
+    let mut note = |accuracy: Accuracy| {
+        let settings = ResponseSettings::default().with_accuracy(accuracy);
+        let response = Response::trace(&mut tracer, &scene, &settings).unwrap();
+        let notes = response.notes(scene.only_pair().unwrap());
+        let mut texts = notes.iter().map(ToString::to_string);
+        texts.find(|text| text.contains("is not reached")).unwrap()
+    };
+    let finest = Accuracy::new(0.001);
+    let by_waves = note(finest.with_most_waves(4096));
+    let because = "because the limit of 4096 waves ended the rounds: ";
+    assert!(by_waves.contains(because), "{by_waves}");
+    let by_time = note(finest.with_time_limit(1e-3));
+    let because = "because the time limit ended the rounds: ";
+    assert!(by_time.contains(because), "{by_time}");
+    // Without a maximum, long flights end the rounds, and short ones the greatest number that a pass can have.
+    assert_eq!(finest.limit_of_waves(1000), Ended::Flights);
+    let most = Ended::Waves(crate::tracer::Settings::MAX_WAVES);
+    assert_eq!(finest.limit_of_waves(1), most);
+}

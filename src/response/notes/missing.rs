@@ -158,8 +158,10 @@ pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
             && factor.is_none_or(f64::is_finite)
     });
     if !open.is_empty() {
+        let because = response.ended.map(|ended| format!(", because {ended}"));
         texts.push(format!(
-            "the accuracy of {percent} % is not reached, because a limit of waves or time ended the rounds: {open}"
+            "the accuracy of {percent} % is not reached{}: {open}",
+            because.unwrap_or_default()
         ));
     }
     let limited = listed_where(|band, figure| figures.is_limited(accuracy, band, figure));
