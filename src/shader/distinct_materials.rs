@@ -52,7 +52,7 @@ pub(super) fn faces(scene: &Scene) -> impl Iterator<Item = (usize, Option<usize>
 }
 
 /// The materials of all surfaces and walls, with repetitions. For a room these are the materials of its walls.
-pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = Material> {
+pub(crate) fn materials_met(scene: &Scene) -> impl Iterator<Item = Material> {
     faces(scene).map(|(index, wall)| scene.material(index, wall).unwrap_or(Material::MIRROR))
 }
 

@@ -39,6 +39,7 @@ mod turn_budget;
 pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text};
 pub use cells::Lists;
 pub(crate) use compiled_scene::CompiledScene;
+pub(crate) use distinct_materials::materials_met;
 pub use layout::Layout;
 pub use materials::Materials;
 pub(crate) use materials::{band_groups, common_scattering};

@@ -144,6 +144,27 @@ fn the_end_of_an_uneven_decay_is_told() {
     }
 }
 
+/// Protects the level in an anechoic room: there is the direct sound alone, whose level is exact, and no wave can be
+/// missed.
+#[test]
+fn walls_that_absorb_all_leave_the_direct_sound() {
+    let scene = Scene::shoebox(
+        [8.0, 6.0, 8.0],
+        &[[1.0; BAND_COUNT]; 6],
+        Source::at([-2.0, 0.0, 0.0]),
+        Listener::at([2.0, 0.0, 0.0], 0.2),
+    );
+    let settings = ResponseSettings::default().with_trace(Settings::default().with_waves(1 << 14));
+    let response = Response::trace(&mut tracer(), &scene, &settings).unwrap();
+    let exact_db = 20.0 - 20.0 * 4.0_f64.log10();
+    let bands = response.figures.bands.iter().zip(&response.figures.errors);
+    for (figures, errors) in bands {
+        let g_db = figures.g_db.expect("a level");
+        assert!((g_db - exact_db).abs() < 1e-3, "{g_db}");
+        assert!(errors.g_db.is_some_and(|error| error < 1e-3), "{errors:?}");
+    }
+}
+
 /// Protects early paths: all image sources of up to three reflections in a room are found, with their delays, levels by
 /// band and directions.
 #[test]

@@ -28,7 +28,8 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
-use crate::scene::Pair;
+use crate::scene::{Pair, Scene};
+use crate::shader::materials_met;
 use crate::tracer::{
     self, ArrivalCounts, ArrivalSettings, Detector, Followed, Settings, SolidHit, Tracer,
     Transmitting, WavesToFollow,
@@ -359,12 +360,12 @@ impl Heard<'_> {
     }
 }
 
-/// Number of waves below which the missed energy of a band is at least the energy of one wave without losses.
+/// Number of waves below which the missed energy of a band is at least the energy of one reflected wave.
 const FEW_WAVES: u32 = 64;
 
 /// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
-/// without arrivals, or with fewer than [`FEW_WAVES`] waves, it is at least the energy of a wave without losses, if any
-/// wave could still arrive. `travel_on` is [`Arrivals::travel_on`]; if it is `None`, waves are traced again.
+/// without arrivals, or with fewer than [`FEW_WAVES`] waves, it is at least the energy of a wave with one reflection at the
+/// surface that absorbs the least, if any wave could still arrive. `travel_on` is [`Arrivals::travel_on`]; if it is `None`, waves are traced again.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
     (pair, medium): (Pair, &Medium),
@@ -393,12 +394,21 @@ pub(super) fn further_arrival(
     let cross_section_m2 = PI * f64::from(pair.listener.radius).powi(2);
     let whole = medium.level / (cross_section_m2 * f64::from(waves));
     let greatest = pair.source.directivity.greatest_factor();
+    let reflected = greatest_reflectance(pair.scene);
     Ok(std::array::from_fn(|band| {
         match further[band] > 0.0 && !are_few {
             true => further[band],
-            false => further[band].max(whole * greatest[band]),
+            false => further[band].max(whole * greatest[band] * reflected[band]),
         }
     }))
+}
+
+/// The greatest share of the energy that a reflection in the scene keeps, by band.
+fn greatest_reflectance(scene: &Scene) -> Bands {
+    let all = materials_met(scene).map(|material| material.reflectance());
+    all.fold([0.0; BAND_COUNT], |most, one| {
+        std::array::from_fn(|band| most[band].max(one[band]))
+    })
 }
 
 /// Whether waves continue after the maximum number of reflections of exact paths, or after scattering before that.
