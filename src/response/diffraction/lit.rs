@@ -121,8 +121,8 @@ impl Lit {
         of_far.fold(of_rims, most)
     }
 
-    /// The energy for the wave number `k`, and that of the sound which the edges add. `faces` has the pressure reflection coefficients at each edge, and at the turns
-    /// of the ways around the far side of its obstacle.
+    /// The energy for the wave number `k`, and that of the sound which the edges add. `faces` has the pressure reflection
+    /// coefficients at each edge, and at the turns of the ways around the far side of its obstacle.
     fn energy_at(&self, space: &impl Space, k: f64, faces: &[(f64, Vec<Vec<f64>>)]) -> (f64, f64) {
         let detours = self.beside.iter().map(|beside| beside.rim.detour_m());
         let least = detours.fold(f64::INFINITY, f64::min);

@@ -118,8 +118,8 @@ impl Caught {
         all.map(HeardPath::tap_of_energy).collect()
     }
 
-    /// All paths as taps, those around obstacles or beside edges louder by one standard deviation of their errors: half of the half-width
-    /// of the interval that contains 95 %.
+    /// All paths as taps, those around obstacles or beside edges louder by one standard deviation of their errors: half of
+    /// the half-width of the interval that contains 95 %.
     fn uncertain(&self) -> Vec<Tap> {
         let tap = |heard: &HeardPath| {
             let louder =
