@@ -3,7 +3,7 @@
 use super::edges::{Edges, part_count};
 use super::intersections::intersections;
 use super::report::{Defect, MeshReport};
-use super::sheets::sheets;
+use super::sheets::{overlays, sheets};
 use super::{Inside, MOST_GROUPS, MOST_TRIANGLES, MeshError, MeshFaces, MeshOptions, TriangleMesh};
 use crate::scene::shape::{Bounds3, LARGEST};
 use glam::{DVec3, Vec3};
@@ -85,6 +85,7 @@ pub(super) fn checked(
         cells: OnceLock::new(),
     };
     mesh.report.intersections = intersections(&mesh);
+    mesh.report.overlays = overlays(&mesh);
     mesh.is_sheet = sheets(&mesh);
     let mut found = Defect::default();
     for triangle in mesh.triangles().filter(|triangle| triangle.is_sheet) {

@@ -61,6 +61,8 @@ pub struct MeshReport {
     pub crowded_edges: Defect,
     /// Pairs of triangles that intersect each other.
     pub intersections: Defect,
+    /// Triangles that lie on a triangle of another material, with the same side towards the air.
+    pub overlays: Defect,
     /// Triangles on whose back another face lies, with air behind: faces of sheets without thickness.
     pub sheets: Defect,
 }
@@ -97,6 +99,12 @@ impl MeshReport {
             "pair of triangles intersects",
             "pairs of triangles intersect",
             "each other: sound is reflected by the first face that it meets from the air side",
+        );
+        tell(
+            &self.overlays,
+            "triangle lies",
+            "triangles lie",
+            "on a triangle of another material in one place: either of the two materials is heard; lift the upper one by a millimetre, or cut it out of the lower one",
         );
         let size = self.size_m.max_element();
         if !(SMALLEST_USUAL_M..=LARGEST_USUAL_M).contains(&size) {

@@ -1,5 +1,6 @@
-//! Sheets without thickness: faces that lie on each other, back to back, with air on both sides.
+//! Faces that lie on each other: sheets without thickness, and faces of two materials in one place.
 //!
+//! The faces of a sheet lie on each other back to back, with air on both sides.
 //! A wave that leaves one face of a sheet lies within its error bound of the other face, whose air side it flies away
 //! from. Lines that start so near to a face of a sheet therefore do not meet it (`triangle.rs`).
 //!
@@ -8,6 +9,7 @@
 
 use super::TriangleMesh;
 use super::intersections::LEAST_DEPTH;
+use super::report::Defect;
 use super::triangle::Triangle;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -19,22 +21,51 @@ pub(super) fn sheets(mesh: &TriangleMesh) -> Vec<bool> {
     all.map(|index| is_sheet(mesh, index, least)).collect()
 }
 
+/// The triangles that lie on a triangle of another group and with the same side towards the air.
+pub(super) fn overlays(mesh: &TriangleMesh) -> Defect {
+    let least = LEAST_DEPTH * mesh.extent();
+    let place = |index: u32| {
+        let own = mesh.triangle(index);
+        let mut found = None;
+        each_overlap(mesh, &own, |number, other| {
+            let is_other = number < index && other.group != own.group;
+            if found.is_none() && is_other && own.normal.dot(other.normal) > 0.0 {
+                found = common_places(&own, other, least).first().copied();
+            }
+        });
+        found
+    };
+    let all = (0..mesh.triangle_count() as u32).into_par_iter().map(place);
+    let all: Vec<Option<DVec3>> = all.collect();
+    let mut defect = Defect::default();
+    for place in all.into_iter().flatten() {
+        defect.add(place.as_vec3());
+    }
+    defect
+}
+
+/// Calls `visit` with each triangle whose box overlaps that of another triangle, and its index.
+fn each_overlap(mesh: &TriangleMesh, own: &Triangle, mut visit: impl FnMut(u32, &Triangle)) {
+    let [a, b, c] = own.corners;
+    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+    mesh.tree()
+        .each_overlap(min, max, |index| visit(index, &mesh.triangle(index)));
+}
+
 fn is_sheet(mesh: &TriangleMesh, index: u32, least: f64) -> bool {
     let own = mesh.triangle(index);
-    let [a, b, c] = own.corners;
     let behind = -own.exact_normal();
     let mut found = false;
-    let tree = mesh.tree();
-    tree.each_overlap(a.min(b).min(c), a.max(b).max(c), |other| {
-        if !found {
-            let places = common_places(&own, &mesh.triangle(other), least);
+    each_overlap(mesh, &own, |_, other| {
+        if !found && own.normal.dot(other.normal) < 0.0 {
+            let places = common_places(&own, other, least);
             found = places.into_iter().any(|p| is_air(mesh, p, behind, least));
         }
     });
     found
 }
 
-/// Points of two triangles that lie on each other with opposite normals; empty for other triangles.
+/// Points of two triangles that lie on each other; empty for other triangles.
 fn common_places(own: &Triangle, other: &Triangle, least: f64) -> Vec<DVec3> {
     let lies_on = |one: &Triangle, under: &Triangle| {
         let normal = under.exact_normal();
@@ -42,7 +73,7 @@ fn common_places(own: &Triangle, other: &Triangle, least: f64) -> Vec<DVec3> {
         let heights = one.exact_corners().map(height);
         heights.iter().all(|height| height.abs() <= least)
     };
-    if own.normal.dot(other.normal) >= 0.0 || !lies_on(own, other) || !lies_on(other, own) {
+    if !lies_on(own, other) || !lies_on(other, own) {
         return Vec::new();
     }
     let common = clipped(other.exact_corners().to_vec(), own);

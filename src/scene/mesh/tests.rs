@@ -247,6 +247,32 @@ fn sheets_are_told_from_solids_that_touch() {
     assert_eq!(on_floor(&rug, 0.0), 2);
 }
 
+/// Protects the materials of rugs and pictures: faces of two materials in one place are told, whichever is first. A
+/// face of the same material, and a rug that is a millimetre above the floor, change nothing.
+#[test]
+fn faces_of_two_materials_in_one_place_are_told() {
+    let overlays = |height: f64, group: u32, rug_is_first: bool| {
+        let mut rug = sheet([[0, 1, 3], [1, 2, 3]]);
+        rug.triangles.truncate(2);
+        let by = DVec3::new(0.2, -1.5 + height, 0.3);
+        let mut faces = room();
+        let floor = faces.group_of.len();
+        add(&mut faces, &rug, by);
+        faces.group_of[floor..].fill(group);
+        if rug_is_first {
+            faces.triangles.reverse();
+            faces.group_of.reverse();
+        }
+        let mesh = mesh(faces, Some(Inside::Air)).expect("a mesh");
+        mesh.report().overlays.count > 0
+    };
+    for rug_is_first in [false, true] {
+        assert!(overlays(0.0, 0, rug_is_first));
+        assert!(!overlays(0.0, 2, rug_is_first), "group 2 is the floor");
+        assert!(!overlays(0.001, 0, rug_is_first));
+    }
+}
+
 /// A ball of triangles.
 fn ball(radius: f64, rings: u32) -> MeshFaces {
     let around = 2 * rings;
