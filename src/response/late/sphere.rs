@@ -146,18 +146,18 @@ impl LateSphere {
             .unwrap_or(self.radius_m)
     }
 
-    /// The bias of the figures relative to the difference between the two spheres. For the larger sphere it is the
-    /// difference itself, with which its errors held in rooms with vaults.
+    /// The bias of the counted sphere's figures relative to the difference between the two spheres. With the bias
+    /// b(r) = k r^g of the counted sphere r and the other one s it is b(r) / |b(s) − b(r)|; 0 for the listener's own.
     pub fn bias_of_difference(&self) -> f64 {
-        match (self.is_narrowed, self.errors, self.inner_m) {
-            (false, ..) => 1.0,
-            (true, Some(_), Some(inner_m)) => {
-                // With the bias b(r) = k r^g of the spheres r and R: b(r) / (b(R) − b(r)).
-                let ratio = f64::from(self.radius_m / inner_m);
-                1.0 / (ratio.powf(GROWTH_OF_ERRORS) - 1.0)
-            }
-            (true, ..) => 0.0,
-        }
+        let (Some(inner_m), Some(_)) = (self.inner_m, self.errors) else {
+            return 0.0;
+        };
+        let [counted, other] = match self.is_narrowed {
+            true => [inner_m, self.radius_m],
+            false => [self.radius_m, inner_m],
+        };
+        let ratio = f64::from(other / counted).powf(GROWTH_OF_ERRORS);
+        1.0 / (ratio - 1.0).abs()
     }
 
     /// The listener's own sphere.
