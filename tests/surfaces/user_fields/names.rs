@@ -220,7 +220,7 @@ fn functions_of_glsl_are_called_everywhere() {
         "const float A = sqrt(2.0), B[2] = float[2](sin(A), abs(-1.0));",
         "float a[int(sqrt(4.0))];",
         "struct S { float a[int(max(1.0, 2.0))]; };",
-        "float f(float x) { if (x > 1.0) return sin(x); else sin(x); do abs(x); while (x < 0.0); return 1.0; }",
+        "float f(float x) { if (x > 1.0) return sin(x); else sin(x); do abs(x); while (x++ < 0.0); return 1.0; }",
         "float f(float x) { switch (int(x)) { case 1: return cos(x); default: return dot(vec2(x), vec2(x)); } }",
         "float f(float length, vec2 v[2]) { return length + float(v.length()); }",
     ] {

@@ -49,10 +49,12 @@ fn endlessness(tokens: &[Token], at: usize) -> Option<&'static str> {
     if is_true(condition, is_for) {
         return Some("its condition is always true");
     }
+    // A condition without variables is an idiom, such as `do {…} while (false)`.
+    let has_variables = condition.iter().any(|word| is_variable(condition, word));
     let may_change = [condition, step, body]
         .iter()
         .any(|part| may_change(part, condition));
-    (!may_change).then_some("nothing in it changes its condition")
+    (has_variables && !may_change).then_some("nothing in it changes its condition")
 }
 
 /// Whether a part of a loop may change a variable of its condition: by an assignment, or by a function with `out`

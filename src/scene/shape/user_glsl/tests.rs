@@ -332,6 +332,8 @@ fn a_loop_that_can_be_left_is_taken() {
         "{ a = 1.0; } while (a < 3.0) a += 1.0;",
         "bool t = true; while (i < 3) { i++; }",
         "while (a < 3.0) --a;",
+        "do { a += 1.0; } while (false);",
+        "do { a += 1.0; } while (1 > 2);",
         "vec3 q = p; while (q.x < 3.0) { q *= 2.0; }",
         "vec3 q = p; while (q.x < 3.0) { q.xy += 2.0; }",
         "vec3 q = p; while (q.x < 3.0) { q[i] = 2.0; }",
