@@ -165,6 +165,21 @@ impl HrirSet {
         self.facets.directions()
     }
 
+    /// Checks that the set can be converted to a sampling rate, by one of its responses.
+    ///
+    /// # Errors
+    /// [`HrirError::BadRate`], [`HrirError::Resample`].
+    #[cfg(feature = "simulator")]
+    pub(crate) fn check_rate(&self, rate_hz: u32) -> Result<(), HrirError> {
+        let one = HrirSet {
+            rate_hz: self.rate_hz,
+            samples: self.samples,
+            facets: self.facets.clone(),
+            pairs: self.pairs.iter().take(1).cloned().collect(),
+        };
+        one.at_rate(rate_hz).map(|_| ())
+    }
+
     /// Converts the set to another sampling rate. Responses keep their spectrum: samples are scaled by the ratio of the
     /// rates.
     ///

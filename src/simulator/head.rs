@@ -4,7 +4,7 @@
 //! mixed.
 //!
 //! All responses of a set begin at the same sample. They are cut to the part that contains the effect of head and ears,
-//! which begins [`LEAD`] samples before their common onset.
+//! which begins [`LEAD_S`] before their common onset.
 
 use super::SimulatorError;
 use super::fit::{BANDS, EARS, Fit, Frame};
@@ -27,14 +27,23 @@ const TONES: usize = 8;
 /// with 1.3 ms, the time between the ears of a rigid sphere was off by 20 µs at 375 Hz.
 const RESPONSE_S: f64 = 80.0 / 48_000.0;
 
-/// Samples of a response before the common onset: the ripple of a shift by a fraction of a sample.
-const LEAD: usize = 4;
+/// Time in seconds before the common onset with which a response begins: the ripple of a shift by a fraction of a sample.
+const LEAD_S: f64 = 4.0 / 48_000.0;
+
+/// Lengths of a response after which samples count in full, and not at all, for the level and the delay at low
+/// frequencies. Later ones are echoes in the room of the measurement, and noise.
+const COUNTED: [f64; 2] = [2.0, 4.0];
 
 /// Share of a response at its end that fades out.
 const FADE: f64 = 0.25;
 
 /// Energy of the common onset as a share of the loudest sample's, over all directions.
 const ONSET: f64 = 0.01;
+
+/// Number of samples of a response before the common onset.
+fn lead(rate_hz: u32) -> usize {
+    (LEAD_S * f64::from(rate_hz)).ceil() as usize
+}
 
 /// Number of samples of the responses of direct ways.
 pub(super) fn response_length(rate_hz: u32) -> usize {
@@ -88,7 +97,7 @@ impl Measured {
             responses: responses(set, &directions, length),
             facets: IndexedFacets::new(directions),
             length,
-            lead_s: LEAD as f64 / f64::from(rate_hz),
+            lead_s: lead(rate_hz) as f64 / f64::from(rate_hz),
         }
     }
 
@@ -159,38 +168,50 @@ fn responses(set: &HrirSet, directions: &[DVec3], length: usize) -> Vec<f32> {
     let loudest = energy.iter().copied().fold(0.0, f64::max);
     let is_onset = |energy: &f64| *energy >= ONSET * loudest;
     let onset = energy.iter().position(is_onset).unwrap_or(0);
-    let first = onset.saturating_sub(LEAD);
+    let first = onset.saturating_sub(lead(set.rate_hz()));
     let mut all = Vec::with_capacity(EARS * directions.len() * length);
     for from in directions {
         set.pair_into(*from, &mut pair);
         for hrir in &pair {
-            all.extend(cut(&hrir.samples[first..], length));
+            all.extend(cut(&hrir.samples, first, length));
         }
     }
     all
 }
 
-/// The first samples of a response, with the level and the delay of the whole response at low frequencies: the sums of
-/// the samples, and of the samples weighted by time, stay the same.
-fn cut(samples: &[f32], length: usize) -> Vec<f32> {
-    let sum = |value: &dyn Fn(usize) -> f64, end: usize| (0..end).map(value).sum::<f64>();
-    let fading = FADE * length as f64;
-    let fade = |at: usize| {
-        let left = (length.saturating_sub(at) as f64 / fading).min(1.0);
-        0.5 - 0.5 * (PI * left).cos()
-    };
-    let sample = |at: usize| samples.get(at).map_or(0.0, |sample| f64::from(*sample));
-    let lost = |at: usize| sample(at) * (1.0 - fade(at));
-    let end = samples.len();
-    // Added to the samples: a bell times a straight line.
-    let bell = |at: usize| 0.5 - 0.5 * (2.0 * PI * (at as f64 + 0.5) / length as f64).cos();
-    let middle = 0.5 * (length as f64 - 1.0);
+/// The samples of a response from `first` on, cut to a length, with the level and the delay of the whole response at low
+/// frequencies: the sums of the samples, and of the samples weighted by time, stay the same.
+fn cut(samples: &[f32], first: usize, length: usize) -> Vec<f32> {
+    let whole = length as f64;
+    let middle = first as f64 + 0.5 * (whole - 1.0);
     let time = |at: usize| at as f64 - middle;
-    let offset = sum(&lost, end) / sum(&bell, length);
-    let slope =
-        sum(&|at| time(at) * lost(at), end) / sum(&|at| time(at).powi(2) * bell(at), length);
-    (0..length)
-        .map(|at| (sample(at) * fade(at) + bell(at) * (offset + slope * time(at))) as f32)
+    let sample = |at: usize| samples.get(at).map_or(0.0, |sample| f64::from(*sample));
+    // The share of a sample that stays.
+    let kept = |at: usize| {
+        let left = (first + length).saturating_sub(at) as f64 / (FADE * whole);
+        match at < first {
+            true => 0.0,
+            false => 0.5 - 0.5 * (PI * left.min(1.0)).cos(),
+        }
+    };
+    let counts = |at: usize| {
+        let lengths = at.saturating_sub(first) as f64 / whole;
+        ((COUNTED[1] - lengths) / (COUNTED[1] - COUNTED[0])).clamp(0.0, 1.0)
+    };
+    // Added to the samples: a bell times a straight line.
+    let bell = |at: usize| 0.5 - 0.5 * (2.0 * PI * ((at - first) as f64 + 0.5) / whole).cos();
+    let [mut lost, mut lost_by_time] = [0.0; 2];
+    for at in 0..samples.len() {
+        let part = sample(at) * (1.0 - kept(at)) * counts(at);
+        lost += part;
+        lost_by_time += part * time(at);
+    }
+    let places = first..first + length;
+    let bells: f64 = places.clone().map(bell).sum();
+    let bells_by_time: f64 = places.clone().map(|at| bell(at) * time(at).powi(2)).sum();
+    let (offset, slope) = (lost / bells, lost_by_time / bells_by_time);
+    places
+        .map(|at| (sample(at) * kept(at) + bell(at) * (offset + slope * time(at))) as f32)
         .collect()
 }
 
@@ -221,14 +242,14 @@ impl Heads {
         if let Some((_, analysis)) = known.iter().find(is_it) {
             return Ok(Arc::clone(analysis));
         }
-        let at_rate = match set.rate_hz() == rate_hz {
-            true => Arc::clone(set),
-            false => Arc::new(set.at_rate(rate_hz)?),
-        };
+        set.check_rate(rate_hz)?;
         let analysis = Analysis::default();
-        let analysis_here = Arc::clone(&analysis);
+        let (set_here, analysis_here) = (Arc::clone(set), Arc::clone(&analysis));
         let analyse = move || {
-            analysis_here.get_or_init(|| Measured::of(&at_rate));
+            // The rate has been checked.
+            if let Ok(set) = set_here.at_rate(rate_hz) {
+                analysis_here.get_or_init(|| Measured::of(&set));
+            }
         };
         let started = thread::Builder::new()
             .name("echomarch head".to_owned())
@@ -297,6 +318,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Protects the sound of long responses: an echo in the measuring room changes nothing, and level and delay at low
+    /// frequencies are those of the whole response.
+    #[test]
+    fn responses_are_cut_without_a_change_at_low_frequencies() {
+        let mut samples: Vec<f32> = (0..2048).map(|at| 0.9_f32.powi(at - 20)).collect();
+        samples[..20].fill(0.0);
+        let moments = |samples: &[f32], first: f64| {
+            let timed = |(at, sample): (usize, &f32)| (at as f64 + first) * f64::from(*sample);
+            let sum: f64 = samples.iter().map(|sample| f64::from(*sample)).sum();
+            [
+                sum,
+                samples.iter().enumerate().map(timed).sum::<f64>() / sum,
+            ]
+        };
+        let short = cut(&samples, 16, 80);
+        let (whole, found) = (moments(&samples, 0.0), moments(&short, 16.0));
+        assert!(
+            (found[0] / whole[0] - 1.0).abs() < 1e-5,
+            "{found:?} {whole:?}"
+        );
+        assert!((found[1] - whole[1]).abs() < 1e-3, "{found:?} {whole:?}");
+        samples[1000] = 0.5;
+        assert_eq!(cut(&samples, 16, 80), short);
     }
 
     /// Protects headphones in motion: between the known directions, delays are within 20 µs of those of the responses,

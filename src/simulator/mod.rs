@@ -347,8 +347,8 @@ impl Simulator {
     /// until then, the mix is silent.
     ///
     /// # Errors
-    /// [`SimulatorError::BadNumber`] for a number of the format out of its range; [`SimulatorError::NoThread`] if the
-    /// system starts no thread for the head.
+    /// [`SimulatorError::BadNumber`] for a number of the format out of its range; [`SimulatorError::Head`] for a head
+    /// that cannot be converted to the rate; [`SimulatorError::NoThread`] if the system starts no thread for the head.
     pub fn mix(&self, spec: &EarsSpec) -> Result<Mix, SimulatorError> {
         self.heard_by(spec, None)
     }

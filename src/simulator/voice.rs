@@ -352,11 +352,12 @@ fn add<const COUNT: usize, const ALL: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::encoder::Encoder;
+    use super::super::head::{Heads, response_length};
     use super::*;
+    use crate::hrtf::tests::{RATE_HZ, grid, set};
     use glam::{DVec3, Quat};
     use std::f64::consts::PI;
-
-    const RATE_HZ: u32 = 48_000;
+    use std::sync::Arc;
 
     /// A direct way from the left.
     fn way(key: u64, delay: f64, gain: f32) -> Way {
@@ -413,22 +414,40 @@ mod tests {
         }
     }
 
-    /// Protects voices that are used again: nothing of the sound before is heard, at any delay, and the new sound is that
-    /// of a new voice.
+    /// The encoder of a rigid sphere.
+    fn head() -> Encoder {
+        let set = Arc::new(set(grid(30)));
+        let encoder = Encoder::Binaural(Heads::default().head(&set, RATE_HZ).expect("a thread"));
+        while !encoder.is_ready() {
+            std::thread::yield_now();
+        }
+        encoder
+    }
+
+    /// Protects voices that are used again, with and without a head: nothing of the sound before is heard, at any delay,
+    /// and the new sound is that of a new voice.
     #[test]
     fn a_cleared_voice_is_like_a_new_one() {
-        for delay in [2.0, 90.5, 131.0, 500.25, 900.0] {
-            let mut used = Voice::new(1000, RATE_HZ, 0);
-            used.glide_to(&[way(1, delay, 0.7)], 1, &STEREO);
-            play(&mut used, &[1.0; 5000]);
-            used.clear();
-            let mut fresh = Voice::new(1000, RATE_HZ, 0);
-            let sound: Vec<f32> = (0..2500).map(|i| (i as f32 * 0.37).sin()).collect();
-            for voice in [&mut used, &mut fresh] {
-                voice.glide_to(&[way(1, delay, 0.5)], 400, &STEREO);
+        let head = head();
+        let sphere = Hearing {
+            encoder: &head,
+            ..STEREO
+        };
+        for (hearing, length) in [(&STEREO, 0), (&sphere, response_length(RATE_HZ))] {
+            for delay in [2.0, 90.5, 131.0, 500.25, 900.0] {
+                let mut used = Voice::new(1000, RATE_HZ, length);
+                used.glide_to(&[way(1, delay, 0.7)], 1, hearing);
+                play(&mut used, &[1.0; 5000]);
+                used.clear();
+                let mut fresh = Voice::new(1000, RATE_HZ, length);
+                let sound: Vec<f32> = (0..2500).map(|i| (i as f32 * 0.37).sin()).collect();
+                for voice in [&mut used, &mut fresh] {
+                    voice.glide_to(&[way(1, delay, 0.5)], 400, hearing);
+                }
+                let (used, fresh) = (play(&mut used, &sound), play(&mut fresh, &sound));
+                assert_eq!(used, fresh, "{delay}");
+                assert!(fresh.iter().any(|sample| sample.abs() > 0.1));
             }
-            let (used, fresh) = (play(&mut used, &sound), play(&mut fresh, &sound));
-            assert_eq!(used, fresh, "{delay}");
         }
     }
 

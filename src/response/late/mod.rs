@@ -364,8 +364,9 @@ impl Heard<'_> {
 const FEW_WAVES: u32 = 64;
 
 /// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
-/// without arrivals, or with fewer than [`FEW_WAVES`] waves, it is at least the energy of a wave with one reflection at the
-/// surface that absorbs the least, if any wave could still arrive. `travel_on` is [`Arrivals::travel_on`]; if it is `None`, waves are traced again.
+/// without arrivals, or with fewer than [`FEW_WAVES`] waves, it is at least the energy of a wave with one reflection at
+/// the surface that absorbs the least, if any wave could still arrive. `travel_on` is [`Arrivals::travel_on`]; if it is
+/// `None`, waves are traced again.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
     (pair, medium): (Pair, &Medium),

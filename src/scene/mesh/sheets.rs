@@ -1,8 +1,8 @@
 //! Faces that lie on each other: sheets without thickness, and faces of two materials in one place.
 //!
-//! The faces of a sheet lie on each other back to back, with air on both sides.
-//! A wave that leaves one face of a sheet lies within its error bound of the other face, whose air side it flies away
-//! from. Lines that start so near to a face of a sheet therefore do not meet it (`triangle.rs`).
+//! The faces of a sheet lie on each other back to back, with air on both sides. A wave that leaves one of them lies within
+//! its error bound of the other, whose air side it flies away from. Lines that start so near to a face of a sheet
+//! therefore do not meet it (`triangle.rs`).
 //!
 //! The bottom of a box and the floor on which it stands lie on each other in the same way. There the box and the ground
 //! are solid, and no air lies behind either face. A line through the rest of the mesh tells the two apart.
@@ -13,6 +13,10 @@ use super::report::Defect;
 use super::triangle::Triangle;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// Maximum number of lines on which air is looked for behind a triangle, so that thousands of faces in one place take no
+/// longer than the search for intersections.
+const MOST_LINES: usize = 32;
 
 /// For each triangle, whether air lies directly behind it, because another face lies on its back.
 pub(super) fn sheets(mesh: &TriangleMesh) -> Vec<bool> {
@@ -55,12 +59,14 @@ fn each_overlap(mesh: &TriangleMesh, own: &Triangle, mut visit: impl FnMut(u32, 
 fn is_sheet(mesh: &TriangleMesh, index: u32, least: f64) -> bool {
     let own = mesh.triangle(index);
     let behind = -own.exact_normal();
-    let mut found = false;
+    let (mut found, mut lines) = (false, 0);
     each_overlap(mesh, &own, |_, other| {
-        if !found && own.normal.dot(other.normal) < 0.0 {
-            let places = common_places(&own, other, least);
-            found = places.into_iter().any(|p| is_air(mesh, p, behind, least));
+        if found || lines >= MOST_LINES || own.normal.dot(other.normal) >= 0.0 {
+            return;
         }
+        let places = common_places(&own, other, least);
+        lines += places.len();
+        found = places.into_iter().any(|p| is_air(mesh, p, behind, least));
     });
     found
 }
@@ -127,6 +133,6 @@ fn is_air(mesh: &TriangleMesh, place: DVec3, up: DVec3, least: f64) -> bool {
     let mut sides = together.map(|faces| faces.iter().map(|(_, side)| side).sum::<i32>());
     match sides.find(|sum| *sum != 0) {
         Some(sum) => sum > 0,
-        None => !mesh.report.is_hollow,
+        None => !(mesh.report.is_hollow && mesh.report.is_closed),
     }
 }

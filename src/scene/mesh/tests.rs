@@ -245,6 +245,16 @@ fn sheets_are_told_from_solids_that_touch() {
     assert_eq!(on_floor(&chest, 0.25), 0);
     let rug = sheet([[0, 1, 3], [1, 2, 3]]);
     assert_eq!(on_floor(&rug, 0.0), 2);
+    // In a room without a ceiling a line upwards meets nothing.
+    let mut court = room();
+    let ceiling = court.groups.iter().position(|name| name == "ceiling");
+    let ceiling = ceiling.expect("a ceiling") as u32;
+    let is_kept: Vec<bool> = court.group_of.iter().map(|of| *of != ceiling).collect();
+    let mut kept = is_kept.iter();
+    court.triangles.retain(|_| kept.next() == Some(&true));
+    court.group_of.retain(|of| *of != ceiling);
+    add(&mut court, &rug, DVec3::ZERO);
+    assert_eq!(sheets(court), 4);
 }
 
 /// Protects the materials of rugs and pictures: faces of two materials in one place are told, whichever is first. A

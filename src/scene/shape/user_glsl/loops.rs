@@ -5,9 +5,10 @@
 
 use super::Refusal;
 use super::tokens::Token;
-use super::words::is_known;
+use super::words::{is_known, is_language};
 
-/// Rejects loops without a `break` or a `return` whose condition is always true, or is changed by nothing in the loop.
+/// Rejects loops without a `break` or a `return` whose condition is always true, or whose variables nothing in the loop
+/// changes.
 /// Other loops are tested by the trial run.
 pub(super) fn check(tokens: &[Token]) -> Result<(), Refusal> {
     let endless = (0..tokens.len()).find_map(|at| Some((at, endlessness(tokens, at)?)));
@@ -50,29 +51,43 @@ fn endlessness(tokens: &[Token], at: usize) -> Option<&'static str> {
         return Some("its condition is always true");
     }
     // A condition without variables is an idiom, such as `do {…} while (false)`.
-    let has_variables = condition.iter().any(|word| is_variable(condition, word));
-    let may_change = [condition, step, body]
-        .iter()
-        .any(|part| may_change(part, condition));
-    (has_variables && !may_change).then_some("nothing in it changes its condition")
+    let variables = variables(condition, tokens);
+    // The end of a body without a block is not determined.
+    let is_block = body.first().is_some_and(|token| token.is("{"));
+    let body = if is_block { body } else { tokens };
+    let parts = [condition, step, body];
+    let may_change = parts.iter().any(|part| may_change(part, &variables));
+    (!variables.is_empty() && !may_change).then_some("nothing in it changes its condition")
 }
 
-/// Whether a part of a loop may change a variable of its condition: by an assignment, or by a function with `out`
-/// parameters or global variables.
-fn may_change(part: &[Token], condition: &[Token]) -> bool {
+/// The variables in a condition: names that are not declared as constants.
+fn variables<'a>(condition: &[Token<'a>], tokens: &[Token]) -> Vec<&'a str> {
+    let is_constant = |name: &str| {
+        let mut statements = tokens.split(|token| token.is(";"));
+        statements
+            .any(|words| words.iter().any(|t| t.is("const")) && words.iter().any(|t| t.is(name)))
+    };
+    let is_variable = |at: &usize| {
+        let token = condition[*at];
+        let is_called = condition.get(at + 1).is_some_and(|next| next.is("("));
+        token.is_word() && !is_language(token.text) && !is_called && !is_constant(token.text)
+    };
+    let places = (0..condition.len()).filter(is_variable);
+    places.map(|at| condition[at].text).collect()
+}
+
+/// Whether a part of a loop may change one of these variables: by an assignment, or by a function with `out` parameters or
+/// global variables.
+fn may_change(part: &[Token], variables: &[&str]) -> bool {
     let is_open = |at: usize| part.get(at).is_some_and(|next| next.is("("));
     part.iter().enumerate().any(|(at, token)| {
         let is_called = token.is_word() && is_open(at + 1);
         let has_effects =
             is_called && (!is_known(token.text) || ["modf", "frexp"].contains(&token.text));
-        let is_changed = token.is(")") || is_variable(condition, token);
-        has_effects || is_changed && is_assigned(part, at)
+        let is_step = is_open(at + 1) && (token.is("++") || token.is("--"));
+        let is_target = token.is(")") || variables.contains(&token.text);
+        has_effects || is_step || is_target && is_assigned(part, at)
     })
-}
-
-/// Whether a word is a variable of a condition.
-fn is_variable(condition: &[Token], word: &Token) -> bool {
-    word.is_word() && !is_known(word.text) && condition.iter().any(|of| of.is(word.text))
 }
 
 /// Whether the token at `at`, with components and indices behind it, is the target of an assignment.

@@ -339,6 +339,12 @@ fn a_loop_that_can_be_left_is_taken() {
         "vec3 q = p; while (q.x < 3.0) { q[i] = 2.0; }",
         "while (a < 3.0) { (a) += 2.0; }",
         "while (i++ < 3) { }",
+        "do i++; while (i < 3);",
+        "while (i < 3) if (a > 0.0) a = 0.0; else i++;",
+        "while (a < p.x) for (int k = 0; k < 4; k++) a += 1.0;",
+        "float distance = 0.0; while (distance < p.x) { distance += 0.1; }",
+        "while (i < 3) { ++(i); }",
+        "const bool AGAIN = false; do { a += 1.0; } while (AGAIN);",
         "while (a < 3.0) { float b = modf(p.x, a); }",
         "while (a < 3.0) if (i > 2) { a += 2.0; }",
         // Invalid GLSL that the driver reports.
