@@ -5,7 +5,7 @@
 //! therefore do not meet it (`triangle.rs`).
 //!
 //! The bottom of a box and the floor on which it stands lie on each other in the same way. There the box and the ground
-//! are solid, and no air lies behind either face. A line through the rest of the mesh tells the two apart.
+//! are solid, and no air lies behind either face. A line through the rest of the mesh distinguishes the two.
 
 use super::TriangleMesh;
 use super::intersections::LEAST_DEPTH;

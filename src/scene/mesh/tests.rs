@@ -257,10 +257,10 @@ fn sheets_are_told_from_solids_that_touch() {
     assert_eq!(sheets(court), 4);
 }
 
-/// Protects the materials of rugs and pictures: faces of two materials in one place are told, whichever is first. A
+/// Protects the materials of rugs and pictures: faces of two materials in one place are reported, whichever is first. A
 /// face of the same material, and a rug that is a millimetre above the floor, change nothing.
 #[test]
-fn faces_of_two_materials_in_one_place_are_told() {
+fn faces_of_two_materials_in_one_place_are_reported() {
     let overlays = |height: f64, group: u32, rug_is_first: bool| {
         let mut rug = sheet([[0, 1, 3], [1, 2, 3]]);
         rug.triangles.truncate(2);

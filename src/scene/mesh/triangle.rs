@@ -64,8 +64,8 @@ impl Triangle {
     }
 
     /// Distance in metres along the unit vector `d` from `o` to the triangle; `None` if the line misses the triangle or
-    /// comes from the solid. The start may lie up to `error_bound` metres behind the plane. It lies at least as far in
-    /// front of a face of a sheet: a line that starts nearer leaves the other face.
+    /// comes from the solid. The start may lie up to `error_bound` metres behind the plane. It lies at
+    /// least `error_bound` metres in front of a face of a sheet: a line that starts nearer leaves the other face.
     pub fn hit(&self, o: DVec3, d: DVec3, error_bound: f64) -> Option<f64> {
         let normal = self.exact_normal();
         let speed = -normal.dot(d);
