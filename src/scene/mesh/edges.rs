@@ -126,7 +126,7 @@ impl Edges {
 }
 
 /// The middle of an edge.
-pub(super) fn middle(sides: &[Side], vertices: &[Vec3]) -> Vec3 {
+fn middle(sides: &[Side], vertices: &[Vec3]) -> Vec3 {
     let ends = sides.first().map(|side| side.corners);
     ends.map_or(Vec3::ZERO, |[a, b]| {
         0.5 * (vertices[a as usize] + vertices[b as usize])

@@ -1,6 +1,6 @@
 //! Pairs of triangles that intersect each other: an edge of one crosses the inner part of the other.
 //!
-//! Triangles that only touch, such as furniture on a floor, do not.
+//! Triangles that only touch, such as furniture on a floor, do not intersect each other.
 
 use super::TriangleMesh;
 use super::report::Defect;
@@ -19,9 +19,8 @@ pub(super) fn intersections(mesh: &TriangleMesh) -> Defect {
     let of = |index: u32| {
         let own = mesh.triangle(index);
         let corners = mesh.triangles[index as usize];
-        let [a, b, c] = own.corners;
         let mut found = (0, None);
-        tree.each_overlap(a.min(b).min(c), a.max(b).max(c), |other| {
+        tree.each_overlap(&own, |other| {
             let others = &mesh.triangles[other as usize];
             if other <= index || corners.iter().any(|corner| others.contains(corner)) {
                 return;

@@ -31,10 +31,11 @@ pub(super) fn overlays(mesh: &TriangleMesh) -> Defect {
     let place = |index: u32| {
         let own = mesh.triangle(index);
         let mut found = None;
-        each_overlap(mesh, &own, |number, other| {
+        mesh.tree().each_overlap(&own, |number| {
+            let other = mesh.triangle(number);
             let is_other = number < index && other.group != own.group;
             if found.is_none() && is_other && own.normal.dot(other.normal) > 0.0 {
-                found = common_places(&own, other, least).first().copied();
+                found = common_places(&own, &other, least).first().copied();
             }
         });
         found
@@ -48,23 +49,16 @@ pub(super) fn overlays(mesh: &TriangleMesh) -> Defect {
     defect
 }
 
-/// Calls `visit` with each triangle whose box overlaps that of another triangle, and its index.
-fn each_overlap(mesh: &TriangleMesh, own: &Triangle, mut visit: impl FnMut(u32, &Triangle)) {
-    let [a, b, c] = own.corners;
-    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-    mesh.tree()
-        .each_overlap(min, max, |index| visit(index, &mesh.triangle(index)));
-}
-
 fn is_sheet(mesh: &TriangleMesh, index: u32, least: f64) -> bool {
     let own = mesh.triangle(index);
     let behind = -own.exact_normal();
     let (mut found, mut lines) = (false, 0);
-    each_overlap(mesh, &own, |_, other| {
+    mesh.tree().each_overlap(&own, |number| {
+        let other = mesh.triangle(number);
         if found || lines >= MOST_LINES || own.normal.dot(other.normal) >= 0.0 {
             return;
         }
-        let places = common_places(&own, other, least);
+        let places = common_places(&own, &other, least);
         lines += places.len();
         found = places.into_iter().any(|p| is_air(mesh, p, behind, least));
     });

@@ -252,8 +252,10 @@ impl Tree {
         found
     }
 
-    /// Calls `visit` with each triangle whose box overlaps the box from `min` to `max`.
-    pub fn each_overlap(&self, min: Vec3, max: Vec3, mut visit: impl FnMut(u32)) {
+    /// Calls `visit` with each triangle whose box overlaps the box of `own`.
+    pub fn each_overlap(&self, own: &Triangle, mut visit: impl FnMut(u32)) {
+        let [a, b, c] = own.corners;
+        let (min, max) = (a.min(b).min(c), a.max(b).max(c));
         let mut waiting = vec![0];
         while let Some(at) = waiting.pop() {
             let node = self.nodes[at];
