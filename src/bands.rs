@@ -57,6 +57,11 @@ pub(crate) fn sum<'a>(all: impl IntoIterator<Item = &'a Bands>) -> Bands {
     sum
 }
 
+/// The greater value of each band.
+pub(crate) fn greater(a: Bands, b: Bands) -> Bands {
+    std::array::from_fn(|band| a[band].max(b[band]))
+}
+
 /// The mean over the bands, each with the same weight.
 #[doc(hidden)]
 pub fn mean(bands: &Bands) -> f64 {

@@ -19,8 +19,3 @@ pub(super) fn errors_of_bend_db(bend: &Bend) -> Bands {
         _ => TWO_EDGES_ERRORS_DB,
     }
 }
-
-/// The greater value of each band.
-pub(super) fn most(a: Bands, b: Bands) -> Bands {
-    std::array::from_fn(|band| a[band].max(b[band]))
-}

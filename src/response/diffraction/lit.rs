@@ -3,7 +3,7 @@
 use super::Ends;
 use super::OFF_THE_EDGE;
 use super::energies::nearness;
-use super::errors::{GAP_ERRORS_DB, most};
+use super::errors::GAP_ERRORS_DB;
 use super::interference::{self, Sound, THIRDS, band_mean};
 use super::narrow::wideness;
 use super::rim::Rim;
@@ -118,7 +118,7 @@ impl Lit {
             _ => GAP_ERRORS_DB,
         };
         let of_far = self.beside.iter().map(|beside| beside.far.errors_db());
-        of_far.fold(of_rims, most)
+        of_far.fold(of_rims, bands::greater)
     }
 
     /// The energy for the wave number `k`, and that of the sound which the edges add. `faces` has the pressure reflection

@@ -1,7 +1,7 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
 use super::bend::Bend;
-use super::errors::{GAP_ERRORS_DB, errors_of_bend_db, most};
+use super::errors::{GAP_ERRORS_DB, errors_of_bend_db};
 use super::interference::Sound;
 use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
@@ -10,7 +10,7 @@ use super::round::Arc;
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::wedge::behind_screen;
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{BAND_COUNT, Bands, greater};
 use glam::DVec3;
 use num_complex::Complex64;
 
@@ -232,7 +232,7 @@ impl Ways {
     pub fn errors_db(&self) -> Bands {
         let of_ways = self.bends.iter().map(|way| errors_of_bend_db(&way.bend));
         let of_rims = (!self.rims.is_empty()).then_some(GAP_ERRORS_DB);
-        of_ways.chain(of_rims).fold([0.0; BAND_COUNT], most)
+        of_ways.chain(of_rims).fold([0.0; BAND_COUNT], greater)
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) use tally::Tally;
 
 use super::source_sound::Medium;
 use super::{ResponseSettings, transmission};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{BAND_COUNT, Bands, greater};
 use crate::error::Error;
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
@@ -407,9 +407,7 @@ pub(super) fn further_arrival(
 /// The greatest share of the energy that a reflection in the scene keeps, by band.
 fn greatest_reflectance(scene: &Scene) -> Bands {
     let all = materials_met(scene).map(|material| material.reflectance());
-    all.fold([0.0; BAND_COUNT], |most, one| {
-        std::array::from_fn(|band| most[band].max(one[band]))
-    })
+    all.fold([0.0; BAND_COUNT], greater)
 }
 
 /// Whether waves continue after the maximum number of reflections of exact paths, or after scattering before that.
