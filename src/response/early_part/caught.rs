@@ -25,7 +25,7 @@ const CHORD_SPREAD: f64 = 9.0 / 8.0;
 /// The early part of a response: its exact paths, and the waves that the paths replace.
 pub(in crate::response) struct Caught {
     pub part: EarlyPart,
-    /// The sound along all exact paths, changed by edges beside them.
+    /// The sound along all exact paths, with the effect of edges near each path.
     paths: Vec<HeardPath>,
     /// The energy of each path, relative to that without edges, by band.
     changes: Vec<Bands>,
@@ -38,7 +38,7 @@ pub(in crate::response) struct Caught {
 }
 
 impl Caught {
-    /// `straight` are the exact paths of `part`, and `paths` the same paths, changed by edges beside them.
+    /// `straight` are the exact paths of `part`, and `paths` the same paths with the effect of edges.
     pub fn new(
         (pair, medium): (Pair, &Medium),
         part: EarlyPart,
