@@ -76,5 +76,9 @@ pub(crate) fn through_air(energy: &Bands, air_per_m: &Bands, length_m: f64) -> B
     if *air_per_m == [0.0; BAND_COUNT] {
         return *energy;
     }
-    std::array::from_fn(|band| energy[band] * (-air_per_m[band] * length_m).exp())
+    std::array::from_fn(|band| match energy[band] {
+        // The bands of other waves.
+        0.0 => 0.0,
+        energy => energy * (-air_per_m[band] * length_m).exp(),
+    })
 }

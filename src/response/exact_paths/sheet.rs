@@ -359,6 +359,17 @@ impl Way {
 }
 
 impl<'a> Search<'a> {
+    /// A search at a world point, without sheets.
+    pub fn near(point: DVec3, touch: f64, largest: f64) -> Search<'a> {
+        Search {
+            point,
+            touch,
+            largest,
+            found: Vec::new(),
+            is_sampled: false,
+        }
+    }
+
     /// Offers the plane normal · p = offset in a leaf's axes; the normal is a unit vector towards greater values.
     pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
         let seen = way.frame.turn.transpose() * normal;

@@ -1,6 +1,6 @@
 //! The surfaces of a scene, and their sheets at a point.
 
-use super::sheet::{Differenced, Frame, Search, Sheet, Way};
+use super::sheet::{Differenced, Form, Frame, Search, Sheet, Way};
 use crate::scene::{Pair, ROUNDING, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
@@ -20,6 +20,8 @@ pub struct Vertex {
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
     surfaces: Vec<(Shape, Frame)>,
+    /// The faces of each surface that is a single shape with few faces, all of them plane; empty for other surfaces.
+    faces: Vec<Vec<Sheet<'static>>>,
     /// For each surface, whether it has [planes alone](Shape::has_planes_alone).
     have_planes_alone: Vec<bool>,
     /// Maximum distance in metres at which a point counts as on a surface.
@@ -59,25 +61,41 @@ impl Surfaces {
             .filter_map(|surface| surface.shape.mesh());
         let flatness = meshes.map(|mesh| mesh.flatness()).fold(0.0, f64::max);
         let have_planes_alone = |(shape, _): &(Shape, Frame)| shape.has_planes_alone();
+        let largest = reaches.chain(far).fold(0.0, f64::max);
+        let faces = |(number, (shape, frame)): (u32, &(Shape, Frame))| {
+            let has_few = shape.is_flat() && shape.mesh().is_none();
+            let planes = has_few.then(|| faces_of(shape, *frame, number, largest));
+            planes.unwrap_or_default()
+        };
         Surfaces {
             have_planes_alone: surfaces.iter().map(have_planes_alone).collect(),
+            faces: (1..).zip(&surfaces).map(faces).collect(),
             surfaces,
             touch: (TOUCH_IN_ROUNDINGS * rounding).max(2.0 * flatness),
-            largest: reaches.chain(far).fold(0.0, f64::max),
+            largest,
         }
     }
 
     /// The sheet hit at `vertex`: among the sheets at this point, the sheet whose normal is nearest to the vertex's
     /// normal. `None` for a surface known only from samples, and for a number without a surface.
     pub fn sheet(&self, vertex: &Vertex) -> Option<Sheet<'_>> {
-        let search = self.search(vertex.surface, vertex.point, self.touch)?;
-        if search.is_sampled {
-            return None;
-        }
         let alike = |sheet: &Sheet| {
             let normal = sheet.at(vertex.point).map(|at| at.normal);
             normal.map_or(f64::NEG_INFINITY, |normal| normal.dot(vertex.normal))
         };
+        let index = (vertex.surface as usize).checked_sub(1)?;
+        let faces = self.faces.get(index)?;
+        if !faces.is_empty() {
+            let distance = |face: &Sheet| face.at(vertex.point).map(|at| at.distance.abs());
+            let is_near = |face: &&Sheet| distance(face).is_some_and(|far| far <= self.touch);
+            let near = faces.iter().filter(is_near);
+            let nearest = near.max_by(|a, b| alike(a).total_cmp(&alike(b)));
+            return nearest.cloned();
+        }
+        let search = self.search(vertex.surface, vertex.point, self.touch)?;
+        if search.is_sampled {
+            return None;
+        }
         let found = search.found.into_iter();
         found.max_by(|a, b| alike(a).total_cmp(&alike(b)))
     }
@@ -85,15 +103,8 @@ impl Surfaces {
     /// The sheets of the surface with this number that lie within `touch` metres of a world point.
     fn search(&self, surface: u32, point: DVec3, touch: f64) -> Option<Search<'_>> {
         let (shape, frame) = self.surfaces.get((surface as usize).checked_sub(1)?)?;
-        let mut search = Search {
-            point,
-            touch,
-            largest: self.largest,
-            found: Vec::new(),
-            is_sampled: false,
-        };
-        let way = Way::to_surface(surface, *frame);
-        search.descend(shape, way);
+        let mut search = Search::near(point, touch, self.largest);
+        search.descend(shape, Way::to_surface(surface, *frame));
         Some(search)
     }
 
@@ -218,6 +229,18 @@ impl Surfaces {
         };
         sheets.filter_map(vertex).collect()
     }
+}
+
+/// The faces of a single shape whose faces are all plane.
+fn faces_of(shape: &Shape, frame: Frame, number: u32, largest: f64) -> Vec<Sheet<'static>> {
+    let mut search = Search::near(DVec3::ZERO, f64::INFINITY, largest);
+    search.descend(shape, Way::to_surface(number, frame));
+    let face = |sheet: Sheet| {
+        let (normal, offset) = sheet.plane()?;
+        let form = Form::Flat { normal, offset };
+        Some(Sheet { form, ..sheet })
+    };
+    search.found.into_iter().filter_map(face).collect()
 }
 
 /// The axes of a surface's own shape, with its rotation normalised.

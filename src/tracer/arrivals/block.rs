@@ -221,26 +221,26 @@ impl Block {
     /// followed any more take the other places. Returns the original's texel for each texel, or [`NO_WAVE`].
     pub(super) fn replace(&mut self, places: &[u32], copies: &[(u32, Bands)]) -> Vec<i32> {
         let mut from = vec![NO_WAVE; (self.grid.width * self.grid.height) as usize];
-        let (waves, energies) = (self.waves.clone(), self.energies.clone());
-        let before: Vec<Before> = (0..self.grid.waves).map(|wave| self.before(wave)).collect();
-        self.before.clone_from(&before);
-        let mut is_place = vec![false; waves.len()];
-        for place in places {
-            is_place[*place as usize] = true;
-        }
-        let others = (0..waves.len()).filter(|wave| !is_place[*wave]);
-        let ended = (0..waves.len()).filter(|wave| waves[*wave].fate != Fate::Travelling);
-        for (to, wave) in others.zip(ended) {
-            self.waves[to] = waves[wave];
-            self.energies[to] = energies[wave];
-            self.before[to] = before[wave];
-        }
-        for (place, (original, energy)) in places.iter().zip(copies) {
+        let mut sources = vec![None; self.waves.len()];
+        for (place, (original, _)) in places.iter().zip(copies) {
             from[self.texel(*place) as usize] = self.texel(*original) as i32;
-            let (to, original) = (*place as usize, *original as usize);
-            self.waves[to] = waves[original];
-            self.energies[to] = *energy;
-            self.before[to] = before[original];
+            sources[*place as usize] = Some(*original as usize);
+        }
+        let waves = (0..).zip(&self.waves);
+        let mut ended = waves.filter(|(_, wave)| wave.fate != Fate::Travelling);
+        // There are as many places for ended waves as there are ended waves.
+        let mut source = |place: Option<usize>| {
+            place
+                .or_else(|| ended.next().map(|(wave, _)| wave))
+                .unwrap_or(0)
+        };
+        let sources: Vec<usize> = sources.into_iter().map(&mut source).collect();
+        let before = |wave: &usize| self.before(*wave as u32);
+        self.before = sources.iter().map(before).collect();
+        self.waves = sources.iter().map(|wave| self.waves[*wave]).collect();
+        self.energies = sources.iter().map(|wave| self.energies[*wave]).collect();
+        for (place, (_, energy)) in places.iter().zip(copies) {
+            self.energies[*place as usize] = *energy;
         }
         from
     }
