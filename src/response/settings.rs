@@ -272,7 +272,7 @@ impl ResponseSettings {
     }
 
     /// The maximum order of exact paths in this scene.
-    pub(super) fn order_in(&self, scene: &Scene) -> u32 {
+    pub(crate) fn order_in(&self, scene: &Scene) -> u32 {
         let is_flat = |surface: &Surface| surface.shape.is_flat();
         self.order
             .unwrap_or(match scene.surfaces.iter().all(is_flat) {

@@ -7,10 +7,10 @@ use crate::response::exact_paths::SpecularPath;
 use crate::response::{Arrival, Echogram, Figures, Tap};
 use crate::scene::{Listener, Material, Pair, Scene};
 use crate::shader::common_scattering;
-use crate::tracer::resampled_band_groups;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// The properties of the sound's way between source and listener, without the surfaces.
 pub(super) struct Medium {
@@ -78,10 +78,13 @@ pub(super) fn reflections(path: &SpecularPath) -> impl Iterator<Item = (u32, Opt
         .zip(path.walls.iter().copied())
 }
 
-/// The share of waves not scattered at these surfaces and walls, averaged over the bands. The waves of a group of bands
-/// scatter with the common share of the group.
-pub(super) fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Option<u8>)>) -> f64 {
-    let groups = resampled_band_groups(scene);
+/// The share of waves of early arrivals not scattered at these surfaces and walls, averaged over the bands; `groups` are
+/// their groups of bands. The waves of a group scatter with the common share of the group.
+pub(super) fn mirrored_share(
+    scene: &Scene,
+    groups: &[Range<usize>],
+    at: impl Iterator<Item = (u32, Option<u8>)>,
+) -> f64 {
     let mirrored = |material: &Material, band: usize| {
         let group = groups.iter().find(|group| group.contains(&band));
         let scattered = group.map(|group| common_scattering(material, group));
@@ -90,9 +93,15 @@ pub(super) fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Optio
     bands::mean(&along(scene, at, mirrored))
 }
 
-/// Expected number of waves, out of `waves`, that cross a listener of this radius along a path.
-pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: u32) -> f64 {
-    let mirrored = path.spreading * mirrored_share(scene, reflections(path));
+/// Expected number of waves of early arrivals, out of `waves` in each of the groups of bands, that cross a listener of
+/// this radius along a path.
+pub(super) fn passing(
+    scene: &Scene,
+    groups: &[Range<usize>],
+    path: &SpecularPath,
+    (radius_m, waves): (f64, u32),
+) -> f64 {
+    let mirrored = path.spreading * mirrored_share(scene, groups, reflections(path));
     crossing(mirrored, radius_m, waves)
 }
 

@@ -314,14 +314,23 @@ const DECAYED: f64 = 1e-3;
 /// out their importance over all bands. In a measured seminar room (BRAS CR2) it gives three groups of bands instead of six.
 const MOST_GROWTH: f64 = 2.0;
 
-/// Groups of bands, each traced by separate waves. All bands are in one group if they scatter alike. `resampled_after` is
-/// the number of reflections after which waves of little energy end, and waves of much energy are split; `None` if waves
-/// are not resampled.
-pub fn band_groups(scene: &Scene, resampled_after: Option<u32>) -> Vec<Range<usize>> {
+/// The reflections over which the energies of waves that carry several bands may spread.
+#[derive(Clone, Copy, Debug)]
+pub enum Spread {
+    /// All reflections of a decay by 30 dB.
+    OfDecay,
+    /// Waves of little energy end, and waves of much energy are split, after this number of reflections.
+    Resampled(u32),
+    /// Waves end after this number of reflections.
+    Ended(u32),
+}
+
+/// Groups of bands, each traced by separate waves. All bands are in one group if they scatter alike.
+pub fn band_groups(scene: &Scene, spread: Spread) -> Vec<Range<usize>> {
     let materials: Vec<Material> = materials_met(scene).collect();
     let are_alike = |bands: &Range<usize>| {
         let mut all = materials.iter();
-        all.all(|material| scatters_alike(material, bands, resampled_after))
+        all.all(|material| scatters_alike(material, bands, spread))
     };
     let mut groups = Vec::new();
     let mut first = 0;
@@ -335,18 +344,20 @@ pub fn band_groups(scene: &Scene, resampled_after: Option<u32>) -> Vec<Range<usi
 }
 
 /// Whether waves that scatter with the common share of these bands can represent each of the bands.
-fn scatters_alike(material: &Material, bands: &Range<usize>, resampled_after: Option<u32>) -> bool {
+fn scatters_alike(material: &Material, bands: &Range<usize>, spread: Spread) -> bool {
     let [least, most] = scattering_range(material, bands);
     if least == most {
         return true;
     }
     let share = common_scattering(material, bands);
     let is_alike = |band: usize| {
-        // Copies of a wave fly together until one of them is scattered. In a band with the share s, they count as further
-        // waves after some 1/s reflections, and never without scattering.
-        let apart_after = 1.0 / material.scattering[band];
-        let most_reflections =
-            resampled_after.map_or(f64::INFINITY, |after| f64::from(after).max(apart_after));
+        let most_reflections = match spread {
+            Spread::OfDecay => f64::INFINITY,
+            // Copies of a wave fly together until one of them is scattered. In a band with the share s, they count as
+            // further waves after some 1/s reflections, and never without scattering.
+            Spread::Resampled(after) => f64::from(after).max(1.0 / material.scattering[band]),
+            Spread::Ended(after) => after.into(),
+        };
         // The mean of the squared energies over both ways, (1 − s)² / (1 − p) + s² / p, is 1 plus this growth.
         let growth = (material.scattering[band] - share).powi(2) / (share * (1.0 - share));
         let reflections = reflections(&material.absorption, band).min(most_reflections);
@@ -494,13 +505,10 @@ mod tests {
     }
 
     fn groups(materials: &[(f64, Bands)]) -> Vec<Range<usize>> {
-        groups_if_resampled(materials, None)
+        groups_with(materials, Spread::OfDecay)
     }
 
-    fn groups_if_resampled(
-        materials: &[(f64, Bands)],
-        resampled_after: Option<u32>,
-    ) -> Vec<Range<usize>> {
+    fn groups_with(materials: &[(f64, Bands)], spread: Spread) -> Vec<Range<usize>> {
         let size = Vec3::splat(9.0);
         let mut surfaces = Vec::new();
         let mut named = Vec::new();
@@ -517,20 +525,22 @@ mod tests {
         let (source, listener) = (Source::at(Vec3::ZERO), Listener::at(Vec3::X, 0.3));
         let mut scene = Scene::new("groups", surfaces, source, listener);
         scene.materials.extend(named);
-        band_groups(&scene, resampled_after)
+        band_groups(&scene, spread)
     }
 
-    /// Protects the time of resampled waves, which carry bands of different scattering, and bands with little or no
-    /// scattering, in which resampling adds no waves.
+    /// Protects the time of resampled waves and of waves that end early, which carry bands of different scattering; and
+    /// bands with little or no scattering, in which resampling adds no waves.
     #[test]
     fn resampled_waves_carry_more_bands() {
         let rising: Bands = std::array::from_fn(|band| 0.1 + 0.05 * band as f64);
         let from_0 = rising.map(|share| share - 0.1);
-        let count = |scattering, after| groups_if_resampled(&[(0.05, scattering)], after).len();
-        assert!(count(rising, Some(6)) < count(rising, None));
+        let count = |scattering, spread| groups_with(&[(0.05, scattering)], spread).len();
+        let of_decay = count(rising, Spread::OfDecay);
+        assert!(count(rising, Spread::Resampled(6)) < of_decay);
+        assert!(count(rising, Spread::Ended(3)) < count(rising, Spread::Resampled(3)));
         for least in [0.0, 1e-3] {
             let from_least = from_0.map(|share| share + least);
-            let groups = groups_if_resampled(&[(0.05, from_least)], Some(1));
+            let groups = groups_with(&[(0.05, from_least)], Spread::Resampled(1));
             assert_eq!(groups[0], 0..1, "{least}");
         }
     }
@@ -564,12 +574,12 @@ mod tests {
             .materials
             .insert("mirror".to_owned(), Material::MIRROR);
         scene.surfaces[0].material = Some("rising".to_owned());
-        assert_eq!(band_groups(&scene, None).len(), 8);
+        assert_eq!(band_groups(&scene, Spread::OfDecay).len(), 8);
         for wall in 0..Room::WALL_COUNT {
             let room = scene.surfaces[0].clone();
             scene.surfaces[0] = room.with_wall_material(wall, "mirror").unwrap();
         }
-        assert_eq!(band_groups(&scene, None), whole(0..8));
+        assert_eq!(band_groups(&scene, Spread::OfDecay), whole(0..8));
         assert_eq!(
             groups(&[(0.1, stepped), (0.1, low_alone)]),
             [0..1, 1..3, 3..8]

@@ -394,7 +394,8 @@ impl Engine {
 /// The key of the programs that trace a hall.
 pub(super) fn key_of(hall: &Hall, settings: &SimulatorSettings) -> u64 {
     let how = settings.response(settings.waves, 0, settings.seconds);
-    arrivals_key(&hall.scene, &how.trace, settings.transmission)
+    let order = how.order_in(&hall.scene);
+    arrivals_key(&hall.scene, &how.trace, order, settings.transmission)
 }
 
 /// Compiles the programs of a hall by a trace of few waves.

@@ -143,7 +143,7 @@ impl Tracer {
         let pair = pair.chosen()?;
         let all = WavesToFollow::Numbers(0..settings.waves);
         let mut counts = ArrivalCounts::of_none();
-        for bands in shader::band_groups(pair.scene, None) {
+        for bands in shader::band_groups(pair.scene, shader::Spread::OfDecay) {
             let how = how.clone().with_bands(bands);
             let followed = self.arrivals_of(pair, settings, &how, &all, take)?;
             counts = counts.and(followed.counts());

@@ -47,7 +47,7 @@ use arrivals::ArrivalTargets;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{
     Detector, FarEnd, Followed, Limits, MOST_LIMITS, NO_LIMITS, SolidHit, Start, Transmitting,
-    WavesToFollow, resampled_band_groups,
+    WavesToFollow, early_band_groups, resampled_band_groups,
 };
 pub use error::TraceError;
 pub use field_trial::{FieldTrial, TrialCommand};

@@ -163,7 +163,12 @@ pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
 /// A number that is equal for scenes whose arrivals are traced by the same programs with these settings. Different
 /// scenes have different numbers, except by a chance of 2⁻⁶⁴.
 #[cfg(feature = "simulator")]
-pub(crate) fn arrivals_key(scene: &Scene, settings: &Settings, transmits: bool) -> u64 {
+pub(crate) fn arrivals_key(
+    scene: &Scene,
+    settings: &Settings,
+    early_order: u32,
+    transmits: bool,
+) -> u64 {
     /// The records and outputs do not depend on the scene.
     const SOME: u32 = 4;
     let structure = structure(scene, settings);
@@ -174,6 +179,9 @@ pub(crate) fn arrivals_key(scene: &Scene, settings: &Settings, transmits: bool) 
     );
     let mut hasher = DefaultHasher::new();
     structure.key.hash(&mut hasher);
+    for bands in super::early_band_groups(scene, early_order) {
+        ArrivalsText::new(march, &Materials::of(scene, bands), SOME, 2 * SOME).hash(&mut hasher);
+    }
     for bands in super::resampled_band_groups(scene) {
         let passing = transmits.then(|| Materials::with_transmission(scene, bands.clone()));
         for materials in passing.into_iter().chain([Materials::of(scene, bands)]) {

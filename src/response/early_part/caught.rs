@@ -179,7 +179,8 @@ impl Caught {
         let radius_m = f64::from(pair.listener.radius);
         let compared = self.paths.iter().filter(|heard| heard.delay_s <= ends_s);
         for heard in compared.filter(|heard| !is_left_out(&heard.path)) {
-            let passing = passing(pair.scene, &heard.path, radius_m, self.part.waves());
+            let with = (radius_m, self.part.waves());
+            let passing = passing(pair.scene, self.part.groups(), &heard.path, with);
             let of_path = heard.energy.map(|e| CHORD_SPREAD * e * e / passing);
             bands::add(&mut variance, &of_path);
         }

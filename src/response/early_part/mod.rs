@@ -17,10 +17,12 @@ use crate::response::exact_paths::{
 use crate::response::{Arrival, Tap};
 use crate::sampling::lattice;
 use crate::scene::{Pair, Scene, Shape};
+use crate::tracer::early_band_groups;
 use glam::Vec3;
 use hidden_reflections::HiddenReflections;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// The treatment of an early arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +49,8 @@ pub(super) struct EarlyPart {
     outcomes: Vec<Outcome>,
     /// Number of waves used to search for paths.
     waves: u32,
+    /// The groups of bands of these waves.
+    groups: Vec<Range<usize>>,
     paths: Vec<SpecularPath>,
     /// The paths to other points of the listener's sphere, if an object may hide a part of the sphere.
     replaced: Option<Replaced>,
@@ -108,11 +112,14 @@ impl EarlyPart {
             true => HiddenReflections::among(&candidates, &found, paths),
             false => HiddenReflections::default(),
         };
+        let groups = early_band_groups(scene, order);
+        let expected = |path: &SpecularPath| passing(scene, &groups, path, (ends.radius_m, waves));
         let (paths_known, index_known) = retain(found.paths, |path| {
-            path.is_searched || passing(scene, path, ends.radius_m, waves) >= EXPECTED_WAVES
+            path.is_searched || expected(path) >= EXPECTED_WAVES
         });
         let known = Known {
             scene,
+            groups: &groups,
             early: paths,
             paths: &paths_known,
             complete,
@@ -168,6 +175,7 @@ impl EarlyPart {
             outcomes,
             arrivals: arrivals.collect(),
             waves,
+            groups,
             replaced,
             paths: paths_known,
             hidden: hidden.reflections,
@@ -178,6 +186,11 @@ impl EarlyPart {
     /// Number of waves used to search for paths: all waves, or the number that the limit of work allows.
     pub fn waves(&self) -> u32 {
         self.waves
+    }
+
+    /// The groups of bands, each traced by that number of waves.
+    pub fn groups(&self) -> &[Range<usize>] {
+        &self.groups
     }
 
     /// An estimate of the early sound that the waves missed.
@@ -321,6 +334,8 @@ const SAME_LENGTH: f64 = 1e-6;
 /// The paths that replace their waves.
 struct Known<'a> {
     scene: &'a Scene,
+    /// The groups of bands of the waves of early arrivals.
+    groups: &'a [Range<usize>],
     early: &'a EarlyPaths,
     /// Sorted by length.
     paths: &'a [SpecularPath],
@@ -343,7 +358,7 @@ impl Known<'_> {
         let spreading = 1.0 / (4.0 * PI * length_m * length_m);
         let walls = self.early.walls(vertices);
         let surfaces = vertices.iter().map(|vertex| vertex.surface);
-        let mirrored = spreading * mirrored_share(self.scene, surfaces.zip(walls));
+        let mirrored = spreading * mirrored_share(self.scene, self.groups, surfaces.zip(walls));
         if crossing(mirrored, ends.radius_m, self.waves) >= EXPECTED_WAVES {
             return true;
         }

@@ -22,19 +22,18 @@ const LEAST_ITERATIONS: u32 = 8;
 /// Minimum number of iterations in a chunk with several listeners, whose iterations take longer.
 const LEAST_ITERATIONS_SHARED: u32 = 1;
 
-/// Traces the `further` waves of early arrivals past the listeners' own spheres, in a band group.
+/// Traces the `further` waves of early arrivals past the listeners' own spheres, in each of the groups of bands.
 pub(super) fn trace(
     tracer: &mut Tracer,
     heard: &[Heard],
-    further: Range<u32>,
+    (groups, further): (&[Range<usize>], Range<u32>),
     (settings, how): (&ResponseSettings, &ArrivalSettings),
-    (group, tallies): (usize, &mut [Tally]),
+    tallies: &mut [Tally],
 ) -> Result<(), Error> {
     if further.is_empty() {
         return Ok(());
     }
     let few = how.clone().with_iterations(how.early_order + 1);
-    let few = few.with_least_energy(0.0);
     let all = WavesToFollow::Numbers(further);
     let own = |one: &Heard| Detector::of(one.pair.listener);
     let own: Vec<Detector> = heard.iter().map(own).collect();
@@ -47,17 +46,18 @@ pub(super) fn trace(
     };
     let pair = heard[0].pair;
     let heard_in = (pair, &own[..]);
-    let followed =
-        tracer.arrivals_through(heard_in, &settings.trace, &few, &all, &mut sort, None)?;
+    let mut counts = ArrivalCounts::of_none();
+    for bands in groups {
+        let few = few.clone().with_bands(bands.clone());
+        let followed =
+            tracer.arrivals_through(heard_in, &settings.trace, &few, &all, &mut sort, None)?;
+        counts = counts.and(followed.counts());
+    }
     // With scattering, sound is late after fewer reflections.
-    let travel_on = (!pair.scene.scatters()).then_some(followed.counts.cut_off > 0);
-    let crossings = crossings_an_iteration(&followed.counts()) / heard.len() as f64;
+    let travel_on = (!pair.scene.scatters()).then_some(counts.cut_off > 0);
+    let crossings = crossings_an_iteration(&counts) / heard.len() as f64;
     for tally in tallies {
-        match tally.crossings.get_mut(group) {
-            Some(known) => *known = crossings,
-            None => tally.crossings.push(crossings),
-        }
-        tally.travel_on = travel_on;
+        (tally.crossings, tally.travel_on) = (crossings, travel_on);
     }
     Ok(())
 }
@@ -84,19 +84,14 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Iterations of a chunk of late arrivals in a band group.
-pub(super) fn chunk(
-    heard: &[Heard],
-    tallies: &[Tally],
-    group: usize,
-    how: &ArrivalSettings,
-) -> u32 {
+/// Iterations of a chunk of late arrivals.
+pub(super) fn chunk(heard: &[Heard], tallies: &[Tally], how: &ArrivalSettings) -> u32 {
     let least = match heard.len() {
         1 => LEAST_ITERATIONS,
         _ => LEAST_ITERATIONS_SHARED,
     };
-    let of_own = |tally: &Tally| tally.crossings.get(group).copied().unwrap_or(0.0);
-    let crossings = growth(heard) * tallies.iter().map(of_own).sum::<f64>();
+    let of_own = tallies.iter().map(|tally| tally.crossings);
+    let crossings = growth(heard) * of_own.sum::<f64>();
     iterations_in_chunk(crossings, least, how.iterations_in_chunk)
 }
 

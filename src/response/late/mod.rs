@@ -88,7 +88,10 @@ pub(super) fn tallies(
     };
     let are_own = heard.iter().all(|one| !one.is_widened());
     let is_same = settings.late_trace() == settings.trace && settings.onset.is_none();
-    let has_near = before.is_some() || !(are_own && is_same);
+    let scene = first.pair.scene;
+    let early_groups = tracer::early_band_groups(scene, how.early_order);
+    let late_groups = tracer::resampled_band_groups(scene);
+    let has_near = before.is_some() || !(are_own && is_same && early_groups == late_groups);
     let mut tallies = match before {
         Some(before) => before,
         None => empty(heard, settings, has_near)?,
@@ -100,19 +103,18 @@ pub(super) fn tallies(
     let mut added = Added::none(&tallies);
     let wide = |one: &Heard| one.late.detector(one.pair.listener);
     let detectors: Vec<Detector> = heard.iter().map(wide).collect();
-    for (group, bands) in tracer::resampled_band_groups(first.pair.scene)
-        .into_iter()
-        .enumerate()
-    {
+    if has_near {
+        let traced = (&early_groups[..], further.early.clone());
+        early::trace(tracer, heard, traced, (settings, how), &mut tallies)?;
+    }
+    for (group, bands) in late_groups.into_iter().enumerate() {
         let how = how.clone().with_bands(bands);
         let mut how = ArrivalSettings {
             resamples: true,
             ..how.with_least_energy(LEAST_ENERGY)
         };
         if has_near {
-            let (early, with) = (further.early.clone(), (settings, &how));
-            early::trace(tracer, heard, early, with, (group, &mut tallies))?;
-            how.iterations_in_chunk = early::chunk(heard, &tallies, group, &how);
+            how.iterations_in_chunk = early::chunk(heard, &tallies, &how);
         }
         let mut early = vec![Vec::new(); heard.len()];
         let mut late = LateWaves {
@@ -128,8 +130,10 @@ pub(super) fn tallies(
         for (tally, early) in tallies.iter_mut().zip(early) {
             tally.add_counts(group, &followed);
             tally.early.extend(early);
-            early::sort(&mut tally.early);
         }
+    }
+    for tally in &mut tallies {
+        early::sort(&mut tally.early);
     }
     let onset_s = settings.onset.map_or(0.0, |onset| onset.seconds);
     for ((tally, one), sums) in tallies.iter_mut().zip(heard).zip(added.of_listeners()) {

@@ -176,9 +176,8 @@ pub(in crate::response) struct Tally {
     followed: Vec<Followed>,
     /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub(super) travel_on: Option<bool>,
-    /// Mean crossings of the listener's own sphere per wave and iteration, by band group, from the waves of early
-    /// arrivals.
-    pub(super) crossings: Vec<f64>,
+    /// Mean crossings of the listener's own sphere per wave and iteration, from the waves of early arrivals.
+    pub(super) crossings: f64,
     /// Number of the traced waves of early arrivals.
     early_waves: u32,
     /// Numbers of the traced late waves.
@@ -195,7 +194,7 @@ impl Tally {
             early: Vec::new(),
             followed: Vec::new(),
             travel_on: None,
-            crossings: Vec::new(),
+            crossings: 0.0,
             early_waves: 0,
             waves: WaveCounts::default(),
         }

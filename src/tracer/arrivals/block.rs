@@ -15,6 +15,9 @@ pub(super) const CROSSINGS: u32 = 16_384;
 /// The original's texel where no wave is followed any more (`glsl/arrivals/chunk.frag`).
 const NO_WAVE: i32 = -1;
 
+/// A place whose wave is not known yet.
+const NO_SOURCE: u32 = u32::MAX;
+
 /// A wave that is drawn again because it has more crossings than records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
@@ -76,10 +79,32 @@ pub struct Block {
     pub(super) energies: Vec<Bands>,
     /// The waves before they passed solids; empty if the block's waves come from the source.
     pub(super) before: Vec<Before>,
+    spare: Spare,
     /// Rows with waves that are still followed.
     pub rows: Range<u32>,
     /// Iterations before the current chunk.
     pub iterations: u32,
+}
+
+/// Memory that the next rearrangement of the waves takes.
+#[derive(Debug, Default)]
+struct Spare {
+    waves: Vec<WaveSoFar>,
+    energies: Vec<Bands>,
+    before: Vec<Before>,
+}
+
+/// Puts an item made from the source in each place. `spare` keeps the memory of the old items.
+fn rearrange<T: Copy>(
+    all: &mut Vec<T>,
+    spare: &mut Vec<T>,
+    sources: &[(u32, f64)],
+    made: impl Fn(T, f64) -> T,
+) {
+    spare.clear();
+    let from = sources.iter();
+    spare.extend(from.map(|(source, share)| made(all[*source as usize], *share)));
+    std::mem::swap(all, spare);
 }
 
 impl Block {
@@ -109,6 +134,7 @@ impl Block {
             waves: vec![start; grid.waves as usize],
             energies,
             before: Vec::new(),
+            spare: Spare::default(),
             rows: 0..grid.height,
             iterations: 0,
         }
@@ -217,31 +243,40 @@ impl Block {
         places
     }
 
-    /// Puts copies of waves with new energies in `places`, as many as there are travelling waves. The waves that are not
-    /// followed any more take the other places. Returns the original's texel for each texel, or [`NO_WAVE`].
-    pub(super) fn replace(&mut self, places: &[u32], copies: &[(u32, Bands)]) -> Vec<i32> {
+    /// Puts copies of waves, each with a share of its original's energy, in `places`, as many as there are travelling
+    /// waves. The waves that are not followed any more take the other places. Returns the original's texel for each
+    /// texel, or [`NO_WAVE`].
+    pub(super) fn replace(&mut self, places: &[u32], copies: &[(u32, f64)]) -> Vec<i32> {
         let mut from = vec![NO_WAVE; (self.grid.width * self.grid.height) as usize];
-        let mut sources = vec![None; self.waves.len()];
-        for (place, (original, _)) in places.iter().zip(copies) {
+        let mut sources = vec![(NO_SOURCE, 1.0); self.waves.len()];
+        for (place, (original, share)) in places.iter().zip(copies) {
             from[self.texel(*place) as usize] = self.texel(*original) as i32;
-            sources[*place as usize] = Some(*original as usize);
+            sources[*place as usize] = (*original, *share);
         }
-        let waves = (0..).zip(&self.waves);
-        let mut ended = waves.filter(|(_, wave)| wave.fate != Fate::Travelling);
-        // There are as many places for ended waves as there are ended waves.
-        let mut source = |place: Option<usize>| {
-            place
-                .or_else(|| ended.next().map(|(wave, _)| wave))
-                .unwrap_or(0)
-        };
-        let sources: Vec<usize> = sources.into_iter().map(&mut source).collect();
-        let before = |wave: &usize| self.before(*wave as u32);
-        self.before = sources.iter().map(before).collect();
-        self.waves = sources.iter().map(|wave| self.waves[*wave]).collect();
-        self.energies = sources.iter().map(|wave| self.energies[*wave]).collect();
-        for (place, (_, energy)) in places.iter().zip(copies) {
-            self.energies[*place as usize] = *energy;
+        let mut ended = (0..).zip(&self.waves);
+        let mut ended =
+            std::iter::from_fn(|| ended.find(|(_, wave)| wave.fate != Fate::Travelling));
+        let others = sources.iter_mut().filter(|(wave, _)| *wave == NO_SOURCE);
+        for ((source, _), (wave, _)) in others.zip(&mut ended) {
+            *source = wave;
         }
+        if self.before.is_empty() {
+            self.before = (0..self.grid.waves).map(|wave| self.before(wave)).collect();
+        }
+        let spare = &mut self.spare;
+        rearrange(&mut self.waves, &mut spare.waves, &sources, |wave, _| wave);
+        rearrange(
+            &mut self.before,
+            &mut spare.before,
+            &sources,
+            |before, _| before,
+        );
+        rearrange(
+            &mut self.energies,
+            &mut spare.energies,
+            &sources,
+            |energy, share| energy.map(|energy| share * energy),
+        );
         from
     }
 

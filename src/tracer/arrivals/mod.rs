@@ -42,7 +42,7 @@ pub(super) use passages::{
 };
 pub(super) use replay::{DetectorDensity, Replay};
 pub(super) use resampling::ITERATIONS_BEFORE_RESAMPLING;
-pub(crate) use resampling::resampled_band_groups;
+pub(crate) use resampling::{early_band_groups, resampled_band_groups};
 pub use settings::{ArrivalCounts, ArrivalSettings};
 pub(crate) use settings::{Followed, Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};

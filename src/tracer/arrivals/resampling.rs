@@ -14,9 +14,9 @@
 //! Fearnhead, *Improved particle filter for nonlinear problems*, 1999).
 
 use super::block::Block;
-use crate::bands::{self, BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT};
 use crate::scene::Scene;
-use crate::shader;
+use crate::shader::{self, Spread};
 use std::ops::Range;
 
 /// Iterations of a chunk after which waves may be resampled. A flutter echo between distant walls must be split before it
@@ -48,7 +48,12 @@ const LEAST_WAVES: usize = 64;
 
 /// Groups of bands, each traced by separate waves, which are resampled.
 pub(crate) fn resampled_band_groups(scene: &Scene) -> Vec<Range<usize>> {
-    shader::band_groups(scene, Some(ITERATIONS_BEFORE_RESAMPLING))
+    shader::band_groups(scene, Spread::Resampled(ITERATIONS_BEFORE_RESAMPLING))
+}
+
+/// Groups of bands, each traced by separate waves, which end after `order` reflections.
+pub(crate) fn early_band_groups(scene: &Scene, order: u32) -> Vec<Range<usize>> {
+    shader::band_groups(scene, Spread::Ended(order))
 }
 
 impl Block {
@@ -69,11 +74,8 @@ impl Block {
             return None;
         }
         let copies = match are_uneven {
-            true => self.drawn(&travelling, &importance, (per_copy, random)),
-            false => {
-                let copy = |wave: &u32| (*wave, self.energy(*wave as usize));
-                travelling.iter().map(copy).collect()
-            }
+            true => Block::drawn(&travelling, &importance, (per_copy, random)),
+            false => travelling.iter().map(|wave| (*wave, 1.0)).collect(),
         };
         match packs {
             true => {
@@ -84,13 +86,12 @@ impl Block {
         }
     }
 
-    /// Draws a copy for each travelling wave: its original and its energy.
+    /// Draws a copy for each travelling wave: its original and its share of the original's energy.
     fn drawn(
-        &self,
         travelling: &[u32],
         importance: &[f64],
         (per_copy, random): (f64, f64),
-    ) -> Vec<(u32, Bands)> {
+    ) -> Vec<(u32, f64)> {
         let mut drawn = Vec::with_capacity(travelling.len());
         let (mut upto, mut next) = (0.0, random);
         for (wave, importance) in travelling.iter().zip(importance) {
@@ -107,12 +108,11 @@ impl Block {
             } else {
                 1.0 / expected
             };
-            let energy = self.energy(*wave as usize).map(|energy| share * energy);
-            drawn.extend(std::iter::repeat_n((*wave, energy), copies));
+            drawn.extend(std::iter::repeat_n((*wave, share), copies));
         }
         // Rounding may leave the last copy out.
         while let (true, Some(last)) = (drawn.len() < travelling.len(), travelling.last()) {
-            drawn.push((*last, [0.0; BAND_COUNT]));
+            drawn.push((*last, 0.0));
         }
         drawn
     }
