@@ -354,3 +354,13 @@ impl Block {
 pub(super) fn tally_of(texels: &[f32], texel: u32) -> u32 {
     texels[4 * texel as usize + 2] as u32
 }
+
+/// The crossings of the wave that has the most.
+pub(super) fn most_crossings(tally: &[f32]) -> u32 {
+    let crossings = tally
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|texel| texel[2] as u32 % CROSSINGS);
+    crossings.max().unwrap_or(0)
+}

@@ -4,13 +4,14 @@ use super::super::Grid;
 use super::super::order_table::OrderTable;
 use super::super::start_order::{StartOrder, Starts};
 use super::super::waves::{STATUS_DEAD, start_texels};
-use super::block::Listed;
+use super::block::{Listed, most_crossings};
 use super::passages::Passage;
 use super::replay::Chunk;
 use super::settings::Start;
 use crate::gl::{AsyncRead, Context, GpuError, Program, RenderTarget, Texture};
 use crate::shader::{ArrivalsText, StartOrderText};
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 use std::rc::Rc;
 
 /// Waves per row of a list.
@@ -198,14 +199,23 @@ impl ArrivalTargets {
         self.current = 1 - self.current;
     }
 
-    /// Reads back a chunk's results, up to row `rows`.
+    /// Reads back a chunk's results, up to row `rows`: the tally, the words, and as many records as a wave has.
     pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
+        let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
+        self.read_textures(0..first_record, rows)?;
+        let records = most_crossings(self.tally()).min(self.text.records) as usize;
+        self.read_textures(first_record..first_record + records, rows)
+    }
+
+    /// Reads back the textures with these numbers, counted from the tally.
+    fn read_textures(&mut self, textures: Range<usize>, rows: u32) -> Result<(), GpuError> {
         let target = &self.chunks[1 - self.current];
         let first = ArrivalsText::TALLY as usize;
-        for (index, read) in self.reads.iter_mut().enumerate() {
-            read.begin(target, first + index, self.grid.width, rows)?;
+        for index in textures.clone() {
+            self.reads[index].begin(target, first + index, self.grid.width, rows)?;
         }
-        for (read, texels) in self.reads.iter_mut().zip(&mut self.texels) {
+        let reads = self.reads[textures.clone()].iter_mut();
+        for (read, texels) in reads.zip(&mut self.texels[textures]) {
             read.wait(|floats| {
                 texels.clear();
                 texels.extend_from_slice(floats);
