@@ -140,12 +140,16 @@ impl Wedge {
         // η = 2 asinh √((cosh η − 1)/2), on the branch with a positive real part.
         let half = root_of(0.5 * over);
         let root = root_of(half * half + 1.0);
-        let eta = 2.0 * (half + root).ln();
+        // e^η = (half + root)²
+        let (norm, angle) = ((half + root).norm_sqr(), (half + root).arg());
         let sinh = 2.0 * half * root;
+        let grown = norm.powf(self.index());
+        let (sine, cosine) = (2.0 * self.index() * angle).sin_cos();
         Place {
             t,
             weight,
-            cosh: (self.index() * eta).cosh(),
+            cosh: 0.5
+                * Complex64::new((grown + 1.0 / grown) * cosine, (grown - 1.0 / grown) * sine),
             step: 4.0 * i * t / (k * product * sinh),
         }
     }
@@ -199,9 +203,10 @@ struct Pole {
 
 impl Pole {
     fn integrand(&self, t: f64) -> Complex64 {
-        let i = Complex64::i();
-        let x = self.x;
-        self.strength * 2.0 * i * EIGHTH_TURN * x / PI / (i * x * x - t * t)
+        let (x2, t2) = (self.x * self.x, t * t);
+        // 2i e^{iπ/4} x/π / (ix² − t²)
+        let real = self.strength * 2.0 * self.x / (PI * (x2 * x2 + t2 * t2));
+        EIGHTH_TURN * Complex64::new(x2, -t2) * real
     }
 
     fn integral(&self) -> Complex64 {
