@@ -217,8 +217,8 @@ impl Pole {
 /// e^{iπ/4}.
 const EIGHTH_TURN: Complex64 = Complex64::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2);
 
-/// The square root of a number other than 0, with a positive real part: [`Complex64::sqrt`] takes several times as long,
-/// because it computes the angle.
+/// The square root of a number other than 0, with a positive real part. [`Complex64::sqrt`] computes the angle too, which
+/// takes longer.
 fn root_of(square: Complex64) -> Complex64 {
     let norm = (square.re * square.re + square.im * square.im).sqrt();
     let greater = (0.5 * (norm + square.re.abs())).sqrt();
