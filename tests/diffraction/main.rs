@@ -5,3 +5,4 @@ mod fields;
 mod oracle;
 mod oracles_hold;
 mod responses;
+mod stated_errors;

@@ -48,7 +48,7 @@ struct Beside {
 impl Lit {
     /// The edges and ways beside the straight way between two points in sight; `None` if the points coincide.
     pub fn between(space: &impl Space, (source, listener): Ends) -> Option<Lit> {
-        let planes = HalfPlanes::between(source, listener)?;
+        let planes = HalfPlanes::between(source, listener)?.of_free_way(space);
         let mut rims = Rim::all(space, &planes, &[]);
         let touched = rims.iter().find(|rim| rim.touches_the_straight_way());
         let Some(touched) = touched else {
@@ -56,7 +56,7 @@ impl Lit {
         };
         // The half-planes of an edge on the line between source and listener are not defined.
         let moved = listener + touched.inwards() * (OFF_THE_EDGE[0] * planes.apart_m());
-        let planes = HalfPlanes::between(source, moved)?;
+        let planes = HalfPlanes::between(source, moved)?.of_free_way(space);
         rims = Rim::all(space, &planes, &[]);
         Some(Lit::of(space, &planes, rims))
     }

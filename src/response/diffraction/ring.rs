@@ -261,18 +261,21 @@ impl Samples {
         let factors: Vec<Complex64> = (0..=count)
             .map(|index| factor((self.first + index) % HALF_PLANES))
             .collect();
-        let at = |index: usize| {
-            let share = ((index % PARTS) as f64 + 0.5) / PARTS as f64;
-            let ends = [factors[index / PARTS], factors[index / PARTS + 1]];
-            ends[0] * (1.0 - share) + ends[1] * share
-        };
         let mut within = Complex64::ZERO;
-        let mut before = Complex64::cis(k * self.detours[0]);
-        for (index, ends) in self.detours.windows(2).enumerate() {
-            let after = Complex64::cis(k * ends[1]);
-            let half = 0.5 * k * (ends[1] - ends[0]);
-            within += mean_phase([before, after], half) * at(index) * width;
-            before = after;
+        for (interval, ends) in factors.windows(2).enumerate() {
+            if ends == [Complex64::ZERO; 2] {
+                continue;
+            }
+            let detours = &self.detours[interval * PARTS..=(interval + 1) * PARTS];
+            let mut before = Complex64::cis(k * detours[0]);
+            for part in 0..PARTS {
+                let share = (part as f64 + 0.5) / PARTS as f64;
+                let factor = ends[0] * (1.0 - share) + ends[1] * share;
+                let after = Complex64::cis(k * detours[part + 1]);
+                let half = 0.5 * k * (detours[part + 1] - detours[part]);
+                within += mean_phase([before, after], half) * factor * width;
+                before = after;
+            }
         }
         let last = self.detours.len() - 1;
         let [before, after] = self.ends;

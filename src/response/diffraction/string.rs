@@ -41,6 +41,9 @@ const COARSE: f64 = 1e-5;
 /// Error of a tent's height as a share of the distance between its ends: 1 µm at 100 m.
 pub(super) const FINE: f64 = 1e-8;
 
+/// Number of places along a free way at which the distance to surfaces is measured.
+const CLEAR_PLACES: usize = 32;
+
 /// Contacts of a string with solids that are followed between its first and its last.
 const MOST_INNER_DEPTH: u32 = 2;
 
@@ -143,6 +146,8 @@ pub(super) struct HalfPlanes {
     /// The half-planes in which strings lead around what is beside the straight way, if that is free, and the greatest detour
     /// in metres up to which it is beside.
     beside: Option<([bool; HALF_PLANES], f64)>,
+    /// Height of tents over the middle up to which nothing touches them, as a share of the distance between their ends.
+    clear: f64,
 }
 
 impl HalfPlanes {
@@ -160,7 +165,25 @@ impl HalfPlanes {
             listener,
             axes: [up, along.cross(up)],
             beside: None,
+            clear: 0.0,
         })
+    }
+
+    /// The half-planes about a free way, with the height up to which tents are known to be free by the distances at places
+    /// along the way: each point of a tent lies in the clear ball about the place below it.
+    pub fn of_free_way(self, space: &impl Space) -> HalfPlanes {
+        let step = 0.5 / CLEAR_PLACES as f64;
+        let clear = |place: usize| {
+            let share = (2 * place + 1) as f64 * step;
+            let radius = space.distance(self.source.lerp(self.listener, share));
+            let rise = (share.min(1.0 - share) + step) / MIDDLE;
+            (radius / self.apart_m() - step) / rise
+        };
+        let least = (0..CLEAR_PLACES).map(clear).fold(f64::INFINITY, f64::min);
+        HalfPlanes {
+            clear: least,
+            ..self
+        }
     }
 
     /// Half-planes in which strings lead around the far side of what is beside the straight way: in these half-planes, around
@@ -250,7 +273,8 @@ impl HalfPlanes {
         let [a, b] = [self.source, self.listener];
         let tent = |height: f64| self.apex(MIDDLE, height, plane.up);
         let is_free = |height: f64| {
-            plane.space.is_free(a, tent(height)) && plane.space.is_free(b, tent(height))
+            let apex = tent(height);
+            height < self.clear || plane.space.is_free(a, apex) && plane.space.is_free(b, apex)
         };
         let (blocked, _) = self.first_blocked(0.0, most_m, tent, is_free)?;
         plane.contacts_over(a, b, (&[MIDDLE], blocked), MOST_INNER_DEPTH)
@@ -375,8 +399,10 @@ impl HalfPlanes {
             None => (MIDDLE, 0.0),
         };
         let apex = |height: f64| self.apex(foot, height, plane.up);
+        let clear = if above.is_none() { self.clear } else { 0.0 };
         let is_free = |height: f64| {
-            space.is_free(self.source, apex(height)) && space.is_free(self.listener, apex(height))
+            let apex = apex(height);
+            height < clear || space.is_free(self.source, apex) && space.is_free(self.listener, apex)
         };
         let mut free = rise;
         if above.is_some() {

@@ -195,6 +195,7 @@ impl TriangleMesh {
     }
 
     /// The triangle with this index.
+    #[inline]
     pub(crate) fn triangle(&self, index: u32) -> Triangle {
         let index = index as usize;
         let corners = self.triangles[index].map(|corner| self.vertices[corner as usize]);

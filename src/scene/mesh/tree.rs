@@ -15,6 +15,9 @@ use glam::{DVec3, Vec3};
 /// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 
+/// Maximum number of boxes that wait during a traversal: one for each halving of 2^32 triangles, and one more.
+const WAITING: usize = 33;
+
 /// Growth of boxes as a share of the largest coordinate. It is larger than all roundings of a line in `f64`, and than the
 /// rounding of a box to `f32`.
 const SPARE: f64 = 1e-6;
@@ -137,7 +140,8 @@ impl Tree {
     ) -> f64 {
         let mut nearest = f64::INFINITY;
         let mut found = None;
-        let mut waiting = vec![(self.nodes[0].squared_distance(p), 0)];
+        let mut waiting = Vec::with_capacity(WAITING);
+        waiting.push((self.nodes[0].squared_distance(p), 0));
         while let Some((squared, at)) = waiting.pop() {
             if squared >= nearest {
                 continue;
@@ -195,7 +199,8 @@ impl Tree {
         let inverse = d.recip();
         let mut nearest = until;
         let mut found: Option<(f64, u32)> = None;
-        let mut waiting = vec![(0.0, 0)];
+        let mut waiting = Vec::with_capacity(WAITING);
+        waiting.push((0.0, 0));
         while let Some((enters, at)) = waiting.pop() {
             if enters > nearest {
                 continue;

@@ -67,6 +67,11 @@ impl Triangle {
     /// comes from the solid. The start may lie up to `error_bound` metres behind the plane. It lies at
     /// least `error_bound` metres in front of a face of a sheet: a line that starts nearer leaves the other face.
     pub fn hit(&self, o: DVec3, d: DVec3, error_bound: f64) -> Option<f64> {
+        let [a, b, c] = self.exact_corners();
+        // Most lines come to half of the triangles from behind: this needs no unit normal.
+        if (b - a).cross(c - a).dot(d) > 0.0 {
+            return None;
+        }
         let normal = self.exact_normal();
         let speed = -normal.dot(d);
         if speed <= 0.0 {

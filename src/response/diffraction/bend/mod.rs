@@ -1,6 +1,7 @@
 //! A way around an obstacle: a taut string that is stationary over its edges, and the pressure at its end (`pressure.rs`).
 
 mod pressure;
+mod remembered;
 
 use super::brink::{self, Brink};
 use super::curvature::{curvature, least_curvature_step_m, on_surface, turns_of};
@@ -9,7 +10,10 @@ use super::round::Arc;
 use super::space::Space;
 use super::string::{self, HalfPlanes, TautString};
 use super::turn::Turn;
+use super::wedge::Wedge;
 use glam::DVec3;
+use num_complex::Complex64;
+use remembered::Remembered;
 
 /// Angle in radians of a turn that only touches a surface.
 const GRAZING: f64 = 1e-3;
@@ -21,7 +25,7 @@ const NARROW: f64 = 0.1;
 const ACROSS: f64 = 0.03;
 
 /// A way over edges and along curved surfaces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Bend {
     /// Source, the apexes of the turns, listener.
     pub points: Vec<DVec3>,
@@ -37,6 +41,12 @@ pub(super) struct Bend {
     pub edges: Vec<Edge>,
     /// The ends of the faces along which the string arrives at its first edge and leaves its last.
     brinks: [Option<Brink>; 2],
+    /// The same way over faces without ends, if a face has one.
+    endless: Option<Box<Bend>>,
+    /// The wedges at turns, by the index and the distance in metres at which the faces are measured.
+    wedges: Remembered<(usize, f64), Option<Wedge>>,
+    /// The pressures by turns at edges, by the index, the wave number and the reflection coefficient of the faces.
+    at_edges: Remembered<(usize, f64, f64), Complex64>,
 }
 
 impl Bend {
@@ -97,6 +107,9 @@ impl Bend {
             turns: vec![turn],
             edges: vec![edge],
             brinks: [None; 2],
+            endless: None,
+            wedges: Remembered::default(),
+            at_edges: Remembered::default(),
         };
         let beyond = edge.point + below.normalize() * (brink::FIRST * after_m);
         match grazing.is_sharp() && space.distance(beyond) < 0.0 {
@@ -150,6 +163,9 @@ impl Bend {
             turns,
             edges,
             brinks: [None; 2],
+            endless: None,
+            wedges: Remembered::default(),
+            at_edges: Remembered::default(),
         })
     }
 
@@ -236,7 +252,11 @@ impl Bend {
             let brink = || Brink::beside(space, &self.edges[index], other, end);
             is_edge(index).then(brink).flatten()
         };
-        self.brinks = [beside(0, 2, 0), beside(last - 2, last - 2, last)];
+        let brinks = [beside(0, 2, 0), beside(last - 2, last - 2, last)];
+        if brinks != [None; 2] {
+            self.endless = Some(Box::new(self.clone()));
+            self.brinks = brinks;
+        }
         self
     }
 

@@ -155,11 +155,12 @@ impl Bend {
     }
 
     fn edge_at(&self, space: &impl Space, index: usize, k: f64, face: f64) -> Complex64 {
-        match self.wedge(space, index, k, 1.0) {
+        let compute = || match self.wedge(space, index, k, 1.0) {
             Some(wedge) => wedge.behind(k, face),
             // A body that is smaller than the zone has no faces there.
             None => 0.5 * shadow_function(self.arc(index).argument(k)),
-        }
+        };
+        self.at_edges.get((index, k, face), compute)
     }
 
     /// Pressure at the listener for the wave number `k` by the first turn as an edge of faces without ends, relative to the
@@ -168,11 +169,8 @@ impl Bend {
         self.with_endless_faces().edge_at(space, 0, k, face)
     }
 
-    fn with_endless_faces(&self) -> Bend {
-        Bend {
-            brinks: [None; 2],
-            ..self.clone()
-        }
+    fn with_endless_faces(&self) -> &Bend {
+        self.endless.as_deref().unwrap_or(self)
     }
 
     /// How much a turn is round to sound of the wave number `k`, from 0 at an edge to 1: the angle between the faces of
@@ -215,8 +213,10 @@ impl Bend {
 
     /// The wedge at a turn. Its faces are measured at `share` of half a Fresnel zone.
     fn wedge(&self, space: &impl Space, index: usize, k: f64, share: f64) -> Option<Wedge> {
-        let faces = (self.outwards, share * self.face_m(index, k));
-        wedge_at(space, &self.points, index + 1, &self.edges[index], faces)
+        let radius = share * self.face_m(index, k);
+        let faces = (self.outwards, radius);
+        let compute = || wedge_at(space, &self.points, index + 1, &self.edges[index], faces);
+        self.wedges.get((index, radius), compute)
     }
 }
 
