@@ -362,23 +362,25 @@ fn vertices(
     image: usize,
 ) -> Option<Vec<Vertex>> {
     let line = std::iter::successors(Some(image), |image| tree[*image].parent);
-    let mut sequence: Vec<&(u32, Sheet)> = line.map(|image| &planes[tree[image].plane]).collect();
-    sequence.reverse();
-    let points = fermat::points_by_images(
-        ends.source,
-        ends.listener,
-        surfaces.touch,
-        sequence.iter().map(|(_, s)| s),
-    )?;
-    let vertex = |((surface, sheet), point): (&&(u32, Sheet), DVec3)| {
-        let normal = sheet.at(point)?.normal;
-        surfaces.has(*surface, point).then_some(Vertex {
+    let mut found = Vec::new();
+    let mut seen_from = ends.listener;
+    for image in line.map(|image| &tree[image]) {
+        let (surface, sheet) = &planes[image.plane];
+        let plane = sheet.plane()?;
+        let point = fermat::point_of_image(seen_from, image.place, plane, surfaces.touch)?;
+        // Most lines miss the last surface.
+        if !surfaces.has(*surface, point) {
+            return None;
+        }
+        found.push(Vertex {
             point,
-            normal,
+            normal: plane.0,
             surface: *surface,
-        })
-    };
-    sequence.iter().zip(points).map(vertex).collect()
+        });
+        seen_from = point;
+    }
+    found.reverse();
+    Some(found)
 }
 
 #[cfg(test)]

@@ -288,25 +288,31 @@ pub(super) fn points_by_images<'a>(
     let mut points = vec![DVec3::ZERO; planes.len()];
     let mut seen_from = listener;
     for (i, (normal, offset)) in planes.iter().enumerate().rev() {
-        let image = images[i + 1];
-        let here = seen_from.dot(*normal) - offset;
-        let there = image.dot(*normal) - offset;
-        // The remaining path is a single point if the source is in an edge. A path within the plane is mirrored at its
-        // start.
-        let is_point = seen_from.distance(image) <= touch;
-        if is_point || here.abs().max(there.abs()) <= touch {
-            seen_from = image;
-            points[i] = image;
-            continue;
-        }
-        let share = here / (here - there);
-        if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
-            return None;
-        }
-        seen_from += (image - seen_from) * share.clamp(0.0, 1.0);
+        seen_from = point_of_image(seen_from, images[i + 1], (*normal, *offset), touch)?;
         points[i] = seen_from;
     }
     Some(points)
+}
+
+/// The point of the plane with unit normal n and n · p = offset at which the line to an image in this plane is mirrored.
+/// `None` if the line does not cross the plane.
+pub(super) fn point_of_image(
+    seen_from: DVec3,
+    image: DVec3,
+    (normal, offset): (DVec3, f64),
+    touch: f64,
+) -> Option<DVec3> {
+    let here = seen_from.dot(normal) - offset;
+    let there = image.dot(normal) - offset;
+    // The remaining path is a single point if the source is in an edge. A path within the plane is mirrored at its
+    // start.
+    let is_point = seen_from.distance(image) <= touch;
+    if is_point || here.abs().max(there.abs()) <= touch {
+        return Some(image);
+    }
+    let share = here / (here - there);
+    let is_crossed = (-BEYOND..=1.0 + BEYOND).contains(&share);
+    is_crossed.then(|| seen_from + (image - seen_from) * share.clamp(0.0, 1.0))
 }
 
 /// A square matrix by rows, with 2 rows for each reflection.

@@ -31,8 +31,8 @@ const GAUSS: [(f64, f64); 3] = [
 ];
 
 /// Maximum share of its energy that the curve loses in a piece whose level is taken as a straight line. The level in the
-/// middle of such a piece is then exact to 4e-6 Np (share² / 24, the next term of the logarithm's series).
-const STRAIGHT: f64 = 0.01;
+/// middle of such a piece is then exact to 1e-4 Np (share² / 24, the next term of the logarithm's series), or 0.001 dB.
+const STRAIGHT: f64 = 0.05;
 
 /// The decay curve of one band.
 pub(super) struct Decay<'a> {
