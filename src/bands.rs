@@ -77,7 +77,7 @@ pub(crate) fn through_air(energy: &Bands, air_per_m: &Bands, length_m: f64) -> B
         return *energy;
     }
     std::array::from_fn(|band| match energy[band] {
-        // The bands of other waves.
+        // Other waves carry this band.
         0.0 => 0.0,
         energy => energy * (-air_per_m[band] * length_m).exp(),
     })

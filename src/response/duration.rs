@@ -16,9 +16,13 @@ use std::cell::RefCell;
 /// give its time to within some per cent.
 const WAVES: u32 = 4096;
 
-/// Number of waves in bands that surfaces scatter. Waves are resampled there, and their number stays the same along the
-/// decay: the level at its end, −60 dB after some 50 resamplings, has a standard deviation of 2 dB.
-const WAVES_SCATTERED: u32 = WAVES / 16;
+/// Numbers of waves in bands that no surface scatters, and in bands that surfaces scatter. The latter are resampled, and
+/// their number stays the same along the decay: the level at its end, −60 dB after some 50 resamplings, has a standard
+/// deviation of 2 dB.
+const FEW_WAVES: [u32; 2] = [WAVES, WAVES / 16];
+
+/// Numbers of waves if too few of these arrive late.
+const MORE_WAVES: [u32; 2] = [WAVES, WAVES / 4];
 
 /// Number of waves if most waves leave the scene and few arrive late, as outdoors. A wave that leaves the scene takes
 /// almost no time.
@@ -87,8 +91,7 @@ impl ResponseSettings {
 /// Returns the time in seconds after which at most [`LEFT`] of all energy remains in every band, as estimated by waves:
 /// the greatest of all pairs. It is at most the longest time of the settings, but at least the time of the direct sound.
 fn needed(tracer: &mut Tracer, pairs: &[Pair], settings: &ResponseSettings) -> Result<f64, Error> {
-    let few = Decay::trace(tracer, pairs, settings, [WAVES, WAVES_SCATTERED])?;
-    let (mut decays, mut counts) = few;
+    let (mut decays, mut counts) = Decay::trace(tracer, pairs, settings, FEW_WAVES)?;
     let never_ends = |pair: &Pair, counts: &ArrivalCounts| {
         counts.gone == 0 && pair.scene.air.is_none() && !pair.scene.has_materials()
     };
@@ -100,7 +103,7 @@ fn needed(tracer: &mut Tracer, pairs: &[Pair], settings: &ResponseSettings) -> R
         pairs.iter().all(ends) && decays.iter().any(is_unknown)
     };
     if pairs[0].scene.scatters() && !most_leave(&counts) && is_open(&decays, &counts) {
-        (decays, counts) = Decay::trace(tracer, pairs, settings, [WAVES, WAVES / 4])?;
+        (decays, counts) = Decay::trace(tracer, pairs, settings, MORE_WAVES)?;
     }
     if is_open(&decays, &counts) {
         let more = match most_leave(&counts) {
@@ -133,8 +136,8 @@ fn most_leave(counts: &ArrivalCounts) -> bool {
 struct Decay {
     /// Energies in bins of [`BIN_S`].
     bins: Vec<Bands>,
-    /// Number of arrivals in each bin.
-    arrivals: Vec<usize>,
+    /// Number of arrivals with energy in each bin, by band: bands that scatter differently have their own waves.
+    arrivals: Vec<[usize; BAND_COUNT]>,
 }
 
 impl Decay {
@@ -191,34 +194,38 @@ impl Decay {
         let bin = (seconds / BIN_S) as usize;
         if bin >= self.bins.len() {
             self.bins.resize(bin + 1, [0.0; BAND_COUNT]);
-            self.arrivals.resize(bin + 1, 0);
+            self.arrivals.resize(bin + 1, [0; BAND_COUNT]);
         }
         bands::add(&mut self.bins[bin], energy);
-        self.arrivals[bin] += 1;
+        for (arrivals, energy) in self.arrivals[bin].iter_mut().zip(energy) {
+            *arrivals += usize::from(*energy > 0.0);
+        }
     }
 
-    /// Number of bins after which at most `share` of the energy remains in every band.
-    fn bins_until(&self, share: f64) -> usize {
+    /// Number of bins after which at most `share` of the energy remains in every band, and the band that decays last.
+    fn bins_until(&self, share: f64) -> (usize, usize) {
         let all = bands::sum(&self.bins);
         let mut to_come = [0.0; BAND_COUNT];
         for (index, bin) in self.bins.iter().enumerate().rev() {
             bands::add(&mut to_come, bin);
-            if (0..BAND_COUNT).any(|band| to_come[band] > share * all[band]) {
-                return index + 1;
+            let last = (0..BAND_COUNT).find(|band| to_come[*band] > share * all[*band]);
+            if let Some(band) = last {
+                return (index + 1, band);
             }
         }
-        0
+        (0, 0)
     }
 
-    /// Whether there are enough arrivals at the end of the decay.
+    /// Whether enough waves of the band that decays last arrive at the end of the decay.
     fn is_end_known(&self) -> bool {
-        let late = &self.arrivals[self.bins_until(LATE)..];
-        late.iter().sum::<usize>() >= LEAST_LATE
+        let (bins, band) = self.bins_until(LATE);
+        let late = self.arrivals[bins..].iter().map(|of_bin| of_bin[band]);
+        late.sum::<usize>() >= LEAST_LATE
     }
 
     /// The end in seconds of the last bin before at most [`LEFT`] of the energy remains in every band.
     fn end_s(&self) -> f64 {
-        (self.bins_until(LEFT) as f64 * BIN_S).max(SHORTEST_S)
+        (self.bins_until(LEFT).0 as f64 * BIN_S).max(SHORTEST_S)
     }
 
     /// The end in seconds of a record with too few late arrivals: the time in which waves arrived after the direct

@@ -11,6 +11,7 @@ use super::late::Onset;
 use super::source_sound::Medium;
 use super::{Response, ResponseSettings, taps_of_energy};
 use crate::scene::Pair;
+use crate::tracer;
 
 /// Number of waves of the first round. In rooms its errors predict the number of waves that the accuracy takes.
 const FIRST_WAVES: u32 = 1 << 14;
@@ -176,9 +177,12 @@ impl Effort {
             false => self.seconds,
         };
         let iterations = response.counts.iterations.max(1);
-        let early_iterations = settings.order_in(pair.scene) + 1;
+        let order = settings.order_in(pair.scene);
+        let early_groups = tracer::early_band_groups(pair.scene, order).len();
+        let late_groups = tracer::resampled_band_groups(pair.scene).len();
+        let groups = early_groups as f64 / late_groups as f64;
         let now = Effort {
-            early_share: f64::from(early_iterations.min(iterations)) / f64::from(iterations),
+            early_share: groups * f64::from((order + 1).min(iterations)) / f64::from(iterations),
             begins_anew: false,
             ..self
         };

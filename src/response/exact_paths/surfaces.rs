@@ -90,7 +90,9 @@ impl Surfaces {
             let is_near = |face: &&Sheet| distance(face).is_some_and(|far| far <= self.touch);
             let near = faces.iter().filter(is_near);
             let nearest = near.max_by(|a, b| alike(a).total_cmp(&alike(b)));
-            return nearest.cloned();
+            if nearest.is_some() {
+                return nearest.cloned();
+            }
         }
         let search = self.search(vertex.surface, vertex.point, self.touch)?;
         if search.is_sampled {

@@ -30,8 +30,8 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// Maximum share of its energy that the curve loses in a piece whose level is taken as a straight line. The level in the
-/// middle of such a piece is then exact to 1e-4 Np (share² / 24, the next term of the logarithm's series), or 0.001 dB.
+/// Maximum share of its energy that the curve loses in a piece whose level is taken as a straight line. The mean level of
+/// such a piece is then exact to 0.0005 dB (share² / 24, the next term of the logarithm's series).
 const STRAIGHT: f64 = 0.05;
 
 /// The decay curve of one band.

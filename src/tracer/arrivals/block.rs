@@ -94,16 +94,10 @@ struct Spare {
     before: Vec<Before>,
 }
 
-/// Puts an item made from the source in each place. `spare` keeps the memory of the old items.
-fn rearrange<T: Copy>(
-    all: &mut Vec<T>,
-    spare: &mut Vec<T>,
-    sources: &[(u32, f64)],
-    made: impl Fn(T, f64) -> T,
-) {
+/// Puts a copy of the item at the source in each place. `spare` keeps the memory of the old items.
+fn rearrange<T: Copy>(all: &mut Vec<T>, spare: &mut Vec<T>, sources: &[(u32, f64)]) {
     spare.clear();
-    let from = sources.iter();
-    spare.extend(from.map(|(source, share)| made(all[*source as usize], *share)));
+    spare.extend(sources.iter().map(|(source, _)| all[*source as usize]));
     std::mem::swap(all, spare);
 }
 
@@ -253,30 +247,22 @@ impl Block {
             from[self.texel(*place) as usize] = self.texel(*original) as i32;
             sources[*place as usize] = (*original, *share);
         }
-        let mut ended = (0..).zip(&self.waves);
-        let mut ended =
-            std::iter::from_fn(|| ended.find(|(_, wave)| wave.fate != Fate::Travelling));
+        let ended = (0..).zip(&self.waves);
+        let ended = ended.filter(|(_, wave)| wave.fate != Fate::Travelling);
         let others = sources.iter_mut().filter(|(wave, _)| *wave == NO_SOURCE);
-        for ((source, _), (wave, _)) in others.zip(&mut ended) {
+        for ((source, _), (wave, _)) in others.zip(ended) {
             *source = wave;
         }
         if self.before.is_empty() {
             self.before = (0..self.grid.waves).map(|wave| self.before(wave)).collect();
         }
         let spare = &mut self.spare;
-        rearrange(&mut self.waves, &mut spare.waves, &sources, |wave, _| wave);
-        rearrange(
-            &mut self.before,
-            &mut spare.before,
-            &sources,
-            |before, _| before,
-        );
-        rearrange(
-            &mut self.energies,
-            &mut spare.energies,
-            &sources,
-            |energy, share| energy.map(|energy| share * energy),
-        );
+        rearrange(&mut self.waves, &mut spare.waves, &sources);
+        rearrange(&mut self.before, &mut spare.before, &sources);
+        rearrange(&mut self.energies, &mut spare.energies, &sources);
+        for (energy, (_, share)) in self.energies.iter_mut().zip(&sources) {
+            *energy = energy.map(|energy| share * energy);
+        }
         from
     }
 

@@ -74,7 +74,7 @@ impl Block {
             return None;
         }
         let copies = match are_uneven {
-            true => Block::drawn(&travelling, &importance, (per_copy, random)),
+            true => drawn(&travelling, &importance, (per_copy, random)),
             false => travelling.iter().map(|wave| (*wave, 1.0)).collect(),
         };
         match packs {
@@ -84,37 +84,6 @@ impl Block {
             }
             false => Some(self.replace(&travelling, &copies)),
         }
-    }
-
-    /// Draws a copy for each travelling wave: its original and its share of the original's energy.
-    fn drawn(
-        travelling: &[u32],
-        importance: &[f64],
-        (per_copy, random): (f64, f64),
-    ) -> Vec<(u32, f64)> {
-        let mut drawn = Vec::with_capacity(travelling.len());
-        let (mut upto, mut next) = (0.0, random);
-        for (wave, importance) in travelling.iter().zip(importance) {
-            let expected = importance / per_copy;
-            upto += expected;
-            let mut copies = 0;
-            while next < upto && drawn.len() + copies < travelling.len() {
-                next += 1.0;
-                copies += 1;
-            }
-            // A wave that is expected to have a copy has one, and its energy is divided among its copies.
-            let share = if expected >= 1.0 {
-                1.0 / copies as f64
-            } else {
-                1.0 / expected
-            };
-            drawn.extend(std::iter::repeat_n((*wave, share), copies));
-        }
-        // Rounding may leave the last copy out.
-        while let (true, Some(last)) = (drawn.len() < travelling.len(), travelling.last()) {
-            drawn.push((*last, 0.0));
-        }
-        drawn
     }
 
     /// The importance of each travelling wave, up to a common factor.
@@ -155,6 +124,37 @@ impl Block {
     fn counts(&self, energy: f64) -> bool {
         energy > COUNTING * self.energy_at_start()
     }
+}
+
+/// Draws a copy for each travelling wave: its original and its share of the original's energy.
+fn drawn(
+    travelling: &[u32],
+    importance: &[f64],
+    (per_copy, random): (f64, f64),
+) -> Vec<(u32, f64)> {
+    let mut drawn = Vec::with_capacity(travelling.len());
+    let (mut upto, mut next) = (0.0, random);
+    for (wave, importance) in travelling.iter().zip(importance) {
+        let expected = importance / per_copy;
+        upto += expected;
+        let mut copies = 0;
+        while next < upto && drawn.len() + copies < travelling.len() {
+            next += 1.0;
+            copies += 1;
+        }
+        // A wave that is expected to have a copy has one, and its energy is divided among its copies.
+        let share = if expected >= 1.0 {
+            1.0 / copies as f64
+        } else {
+            1.0 / expected
+        };
+        drawn.extend(std::iter::repeat_n((*wave, share), copies));
+    }
+    // Rounding may leave the last copy out.
+    while let (true, Some(last)) = (drawn.len() < travelling.len(), travelling.last()) {
+        drawn.push((*last, 0.0));
+    }
+    drawn
 }
 
 #[cfg(test)]

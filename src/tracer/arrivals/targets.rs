@@ -199,7 +199,8 @@ impl ArrivalTargets {
         self.current = 1 - self.current;
     }
 
-    /// Reads back a chunk's results, up to row `rows`: the tally, the words, and as many records as a wave has.
+    /// Reads back a chunk's results, up to row `rows`: the tally, the words, and the records up to the largest
+    /// number of crossings of a wave.
     pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
         let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
         self.read_textures(0..first_record, rows)?;
