@@ -11,6 +11,7 @@
 //! shader files under `glsl/` and in `docs/thesis.md`.
 
 mod arrival_passes;
+mod arrival_run;
 mod arrivals;
 mod block_waves;
 mod error;

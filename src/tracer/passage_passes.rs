@@ -1,7 +1,7 @@
 //! The passes that trace passages of waves through solids, generation by generation (`arrivals/passages.rs`).
 
 use super::Tracer;
-use super::arrival_passes::Run;
+use super::arrival_run::Run;
 use super::arrivals::{
     ArrivalCounts, LEAST_GENERATION, MOST_GENERATIONS, PASSAGE_SHARE, Passage, Transmitting,
     WAVES_IN_BLOCK, kept, kept_beside_waves, loudest, thinned,

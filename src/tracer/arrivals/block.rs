@@ -343,10 +343,7 @@ pub(super) fn tally_of(texels: &[f32], texel: u32) -> u32 {
 
 /// The crossings of the wave that has the most.
 pub(super) fn most_crossings(tally: &[f32]) -> u32 {
-    let crossings = tally
-        .as_chunks::<4>()
-        .0
-        .iter()
-        .map(|texel| texel[2] as u32 % CROSSINGS);
+    let texels = 0..(tally.len() / 4) as u32;
+    let crossings = texels.map(|texel| tally_of(tally, texel) % CROSSINGS);
     crossings.max().unwrap_or(0)
 }

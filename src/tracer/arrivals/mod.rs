@@ -3,8 +3,8 @@
 //! has a [`Detector`].
 //!
 //! The listener is transparent here. A pass (`glsl/arrivals/`) traces the waves of a *block* through a *chunk* of
-//! iterations, and writes a record for each crossing, up to a maximum number of records per wave. The records are read
-//! back and processed here in `f64` while the next chunk is drawn. If a wave has more crossings than records, it is
+//! iterations, and writes a record for each crossing, up to a maximum number of records per wave. The used records are
+//! read back and processed here in `f64` while the next chunk is drawn. If a wave has more crossings than records, it is
 //! entered in a list and drawn again from the start of the chunk, and the crossings already recorded are skipped.
 //! Blending is off, so the same input gives the same bits.
 //!
@@ -19,7 +19,8 @@
 //! | `block.rs` | the waves of a block: their progress, places and energies |
 //! | `replay.rs` | the computation of arrivals from records |
 //! | `resampling.rs` | waves of about equal energy |
-//! | `../tracer/arrival_passes.rs` | the passes |
+//! | `../arrival_run.rs` | the program and the constant data of a trace |
+//! | `../arrival_passes.rs` | the passes |
 
 mod block;
 mod detectors;
