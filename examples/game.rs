@@ -31,16 +31,28 @@ const BLOCK: usize = 512;
 /// Objects that are spawned in one run.
 const SPAWNED: usize = 20;
 
-/// Three rooms side by side, with a doorway in each of the two walls between them.
-struct House {
-    doors: [SurfaceId; 2],
+/// What a run measures.
+#[derive(Clone, Copy)]
+struct Case {
+    /// Number of moving sources.
+    sources: usize,
+    /// Whether two walls with doors part the house into three rooms. Without them, every source has the maximum number of
+    /// echoes.
+    has_doors: bool,
+    /// Whether objects are spawned.
+    spawns: bool,
 }
 
-fn house(simulator: &mut Simulator) -> Result<House, Error> {
+/// A house of one room, or of three rooms side by side with a doorway in each of the two walls between them. Returns the
+/// doors.
+fn house(simulator: &mut Simulator, has_doors: bool) -> Result<Vec<SurfaceId>, Error> {
     let shell = Surface::new(Room {
         size: Vec3::new(18.0, 3.0, 8.0),
     });
     simulator.add_surface(shell.with_material("plasterboard"))?;
+    if !has_doors {
+        return Ok(Vec::new());
+    }
     for x in [-3.0, 3.0] {
         for z in [-2.25, 2.25] {
             let wall = Cuboid {
@@ -56,9 +68,7 @@ fn house(simulator: &mut Simulator) -> Result<House, Error> {
         };
         simulator.add_surface(Surface::new(door).at([x, 0.0, 0.0]).with_material("door"))
     };
-    Ok(House {
-        doors: [door(-3.0)?, door(3.0)?],
-    })
+    Ok(vec![door(-3.0)?, door(3.0)?])
 }
 
 /// Position of source `number` of `count` at a time: on a circle in one of the rooms.
@@ -147,10 +157,11 @@ fn audio(mut mix: Mix, stop: Arc<AtomicBool>) -> JoinHandle<Times> {
     })
 }
 
-/// Runs the game with this number of sources; objects are spawned if `spawns`.
-fn run(count: usize, seconds: f64, spawns: bool) -> Result<(), Error> {
+/// Runs the game.
+fn run(case: Case, seconds: f64) -> Result<(), Error> {
+    let count = case.sources;
     let mut simulator = Simulator::new(SimulatorSettings::default())?;
-    let house = house(&mut simulator)?;
+    let doors = house(&mut simulator, case.has_doors)?;
     simulator.place_listener(Pose::at([-5.0, -0.2, 2.5]))?;
     let mut ids = Vec::new();
     for number in 0..count {
@@ -193,12 +204,12 @@ fn run(count: usize, seconds: f64, spawns: bool) -> Result<(), Error> {
             for (number, id) in ids.iter().enumerate() {
                 simulator.place_source(*id, on_circle(number, count, now))?;
             }
-            for (number, door) in house.doors.iter().enumerate() {
+            for (number, door) in doors.iter().enumerate() {
                 let open = 0.5 - 0.5 * (now + number as f64).cos();
                 let at = [6.0 * number as f32 - 3.0, 0.0, open as f32];
                 simulator.place_surface(*door, Pose::at(at))?;
             }
-            if spawns && spawned < SPAWNED && pictures % 6 == 0 {
+            if case.spawns && spawned < SPAWNED && pictures % 6 == 0 {
                 let at = Vec3::new(spawned as f32 * 0.8 - 7.6, -1.2, 3.2);
                 let ball = Surface::new(Sphere { radius: 0.25 }).at(at);
                 simulator.add_surface(ball.with_material("brick"))?;
@@ -222,9 +233,12 @@ fn run(count: usize, seconds: f64, spawns: bool) -> Result<(), Error> {
     let took = began.elapsed().as_secs_f64();
     let after = traces(&simulator);
     stop.store(true, Ordering::Relaxed);
-    let what = match spawns {
-        true => format!("{count} sources, {SPAWNED} objects spawned"),
-        false => format!("{count} sources"),
+    let what = match case {
+        Case { spawns: true, .. } => format!("{count} sources, {SPAWNED} objects spawned"),
+        Case {
+            has_doors: false, ..
+        } => format!("{count} sources in one room"),
+        _ => format!("{count} sources"),
     };
     let rate = (after - before) as f64 / took;
     let echoes = ids.iter().filter_map(|id| simulator.updates(*id));
@@ -264,8 +278,19 @@ fn main() -> Result<(), Error> {
     println!("renderer: {}", simulator.renderer());
     drop(simulator);
     println!("                     median     99 %  maximum");
-    for count in [3, 16, 64] {
-        run(count, seconds, false)?;
+    let case = |sources, has_doors, spawns| Case {
+        sources,
+        has_doors,
+        spawns,
+    };
+    for case in [
+        case(3, true, false),
+        case(16, true, false),
+        case(64, true, false),
+        case(64, false, false),
+        case(16, true, true),
+    ] {
+        run(case, seconds)?;
     }
-    run(16, seconds, true)
+    Ok(())
 }

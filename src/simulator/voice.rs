@@ -39,6 +39,9 @@ const REACH: usize = 4;
 /// Shortest delay in samples: a tap reads the frame after its place.
 const SHORTEST: f64 = 2.0;
 
+/// Units of a gliding delay in a sample. Integers need no conversion of the whole samples for each sample.
+const DELAY_UNITS: f64 = (1_u64 << 32) as f64;
+
 /// Silent frames before a new sound: all that a tap reads in one step together with the sound's first frame.
 const SILENT_FRAMES: usize = CHUNK + REACH;
 
@@ -283,15 +286,39 @@ impl Voice {
                 }
                 continue;
             }
-            for (index, out) in now.iter_mut().enumerate() {
-                delay += glide.delay;
-                for (gains, steps) in gains.iter_mut().zip(&steps) {
-                    *gains += *steps;
-                }
-                if let Some((frames, weights)) = self.place::<WIDTH>(delay, back - index) {
-                    add(out, first, &gains, weighted(frames, &weights));
-                }
+            let place = (delay + glide.delay, glide.delay);
+            self.add_gliding::<WIDTH, COUNT, ALL>((place, back), (&mut gains, &steps), first, now);
+            delay += part as f64 * glide.delay;
+        }
+    }
+
+    /// Adds the sound of samples for which the delay and the gains change by constant steps. The delay of the first
+    /// sample, and its change, are in samples; that sample is `back` frames before the end.
+    fn add_gliding<const WIDTH: usize, const COUNT: usize, const ALL: usize>(
+        &self,
+        ((delay, delay_step), back): ((f64, f64), usize),
+        (gains, steps): (&mut [Vec4; COUNT], &[Vec4; COUNT]),
+        first: usize,
+        out: &mut [[Frame; ALL]],
+    ) {
+        let [mut delay, delay_step] =
+            [delay, delay_step].map(|samples| (samples * DELAY_UNITS) as i64);
+        let frames = &self.frames[..self.length + WIDTH];
+        for (index, out) in out.iter_mut().enumerate() {
+            for (gains, steps) in gains.iter_mut().zip(steps) {
+                *gains += *steps;
             }
+            let (whole, share) = ((delay >> 32) as usize, delay as u32);
+            delay += delay_step;
+            let age = back - index + whole + WIDTH / 2;
+            if age > self.own {
+                continue;
+            }
+            let oldest = self.written.wrapping_sub(age) & (self.length - 1);
+            // The upper 24 bits are exact as `f32`.
+            let share = (share >> 8) as f32 / (1 << 24) as f32;
+            let frame = weighted(&frames[oldest..oldest + WIDTH], &weights::<WIDTH>(share));
+            add(out, first, gains, frame);
         }
     }
 
