@@ -45,7 +45,7 @@ impl Placed {
     /// Places a response so that its time 0 is at `place` (in samples).
     fn new(hrir: &Hrir, place: f64, rate_hz: f64) -> Placed {
         let (first, impulse) = impulse(place + hrir.delay_s * rate_hz);
-        let impulse: Vec<f32> = impulse.map(|value| value as f32).collect();
+        let impulse = impulse.map(|value| value as f32);
         let mut samples = vec![0.0; hrir.samples.len() + impulse.len() - 1];
         for (offset, sample) in hrir.samples.iter().enumerate() {
             for (sum, value) in samples[offset..].iter_mut().zip(&impulse) {

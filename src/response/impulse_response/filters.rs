@@ -36,28 +36,39 @@ impl Crossing {
     /// The gain of a band's filter at a frequency. Below the lowest and above the highest centre frequency, only the
     /// nearest band has gain.
     pub(super) fn gain(self, band: usize, frequency_hz: f64) -> f64 {
-        let place = (frequency_hz / REFERENCE_HZ).log2() + REFERENCE_BAND;
-        let place = place.clamp(0.0, (BAND_COUNT - 1) as f64);
+        self.gain_at(band, octave(frequency_hz))
+    }
+
+    /// The gain of a band's filter at an [`octave`].
+    fn gain_at(self, band: usize, octave: f64) -> f64 {
         // Octaves beyond the edge to the next band, which is half an octave from the centre.
-        let beyond_edge = (place - band as f64).abs() - 0.5;
-        let turn = (beyond_edge / self.octaves() + 0.5).clamp(0.0, 1.0) * FRAC_PI_2;
+        let beyond_edge = (octave - band as f64).abs() - 0.5;
+        let share = beyond_edge / self.octaves() + 0.5;
+        // Most frequencies are outside of the two transitions.
+        if share <= 0.0 {
+            return 1.0;
+        }
+        if share >= 1.0 {
+            return 0.0;
+        }
+        let gain = (share * FRAC_PI_2).cos();
         match self {
-            Crossing::Amplitude => turn.cos().powi(2),
-            Crossing::Power => turn.cos(),
+            Crossing::Amplitude => gain * gain,
+            Crossing::Power => gain,
         }
     }
 }
 
-/// The filter of one band at each frequency of a spectrum.
-fn gains(crossing: Crossing, band: usize, rate_hz: f64, length: usize) -> Vec<f64> {
-    let frequency = |bin: usize| bin as f64 * rate_hz / length as f64;
-    let gain = |bin| crossing.gain(band, frequency(bin));
-    (0..=length / 2).map(gain).collect()
+/// A frequency in octaves above the centre of the lowest band, limited to the range of the bands' centres.
+fn octave(frequency_hz: f64) -> f64 {
+    let octave = (frequency_hz / REFERENCE_HZ).log2() + REFERENCE_BAND;
+    octave.clamp(0.0, (BAND_COUNT - 1) as f64)
 }
 
 /// Sums of the spectra of several channels.
 pub(super) struct Spectra {
-    rate_hz: f64,
+    /// The [`octave`] of each frequency.
+    octaves: Vec<f64>,
     /// Number of samples, including silence at the end for the wrap-around of the filters.
     length: usize,
     forward: Arc<dyn RealToComplex<f64>>,
@@ -77,8 +88,11 @@ impl Spectra {
         let length = (samples + silence).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         let forward = planner.plan_fft_forward(length);
+        let frequency_hz = |bin: usize| bin as f64 * rate_hz / length as f64;
         Spectra {
-            rate_hz,
+            octaves: (0..=length / 2)
+                .map(|bin| octave(frequency_hz(bin)))
+                .collect(),
             length,
             inverse: planner.plan_fft_inverse(length),
             sums: vec![forward.make_output_vec(); channels],
@@ -94,7 +108,8 @@ impl Spectra {
 
     /// Filters a channel's samples with a band's filter, adds them, and overwrites them with silence.
     pub(super) fn add(&mut self, channels: &mut [Vec<f64>], crossing: Crossing, band: usize) {
-        let gains = gains(crossing, band, self.rate_hz, self.length);
+        let octaves = self.octaves.iter();
+        let gains: Vec<f64> = octaves.map(|at| crossing.gain_at(band, *at)).collect();
         for (samples, sums) in channels.iter_mut().zip(&mut self.sums) {
             let done = self.forward.process(samples, &mut self.spectrum);
             debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
@@ -137,7 +152,10 @@ impl Spectra {
 
 /// Number of samples that a tap extends to both sides. With this window a tap's spectrum is flat up to 0.45 of the
 /// sampling rate: 21.6 kHz at 48 kHz.
-const REACH: i64 = 32;
+const REACH: usize = 32;
+
+/// The samples of an [`impulse`].
+pub(super) type Impulse = [f64; 2 * REACH + 1];
 
 /// Maximum position of an impulse in samples: 165 years at 192 kHz, after the end of every response. Larger positions
 /// would not fit into 64 bits.
@@ -145,24 +163,15 @@ const FURTHEST: f64 = 1e15;
 
 /// An impulse at a possibly fractional sample position: a sinc function with a Blackman window (R. B. Blackman and J.
 /// W. Tukey, 1958). Returns the index of its first sample, and its samples.
-pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
+pub(super) fn impulse(place: f64) -> (i64, Impulse) {
     let place = place.clamp(-FURTHEST, FURTHEST);
-    let nearest = place.round() as i64;
-    let samples =
-        (-REACH..=REACH).map(move |offset| windowed_sinc((nearest + offset) as f64 - place));
-    (nearest - REACH, samples)
-}
-
-/// Adds an impulse of this amplitude at a position in samples.
-///
-/// Samples before the first or after the last are dropped.
-pub(super) fn add_tap(samples: &mut [f64], place: f64, amplitude: f64) {
-    let (first, impulse) = impulse(place);
-    add_from(samples, first, impulse.map(|value| amplitude * value));
+    let first = place.round() as i64 - REACH as i64;
+    let samples = std::array::from_fn(|index| windowed_sinc((first + index as i64) as f64 - place));
+    (first, samples)
 }
 
 /// Adds values from an index on. Values before the first sample or after the last sample are dropped.
-pub(super) fn add_from(samples: &mut [f64], first: i64, values: impl Iterator<Item = f64>) {
+pub(super) fn add_from(samples: &mut [f64], first: i64, values: impl IntoIterator<Item = f64>) {
     for (index, value) in (first..).zip(values) {
         let index = usize::try_from(index).ok();
         if let Some(sample) = index.and_then(|index| samples.get_mut(index)) {
@@ -282,6 +291,11 @@ pub(super) fn samples_of(sound: &Sound, bin: usize) -> impl Iterator<Item = (usi
 mod tests {
     use super::*;
     use crate::bands::BANDS_HZ;
+
+    fn add_tap(samples: &mut [f64], place: f64, amplitude: f64) {
+        let (first, impulse) = impulse(place);
+        add_from(samples, first, impulse.map(|value| amplitude * value));
+    }
 
     /// Protects energy: the gains of the filters for taps add up to 1, and the squared gains of the filters for noise
     /// add up to 1.

@@ -256,9 +256,11 @@ impl Sound<'_> {
         let count = encoding.channels();
         let mut spectra = Spectra::new(count, self.samples, self.rate_hz);
         let mut unfiltered = vec![spectra.silence(); count];
+        let placed = |tap| PlacedTap::new(self, tap, encoding);
+        let taps: Vec<PlacedTap> = self.taps.iter().map(placed).collect();
         for band in 0..BAND_COUNT {
-            if !self.taps.is_empty() {
-                self.add_taps(&mut unfiltered, band, encoding);
+            if !taps.is_empty() {
+                taps.iter().for_each(|tap| tap.add(&mut unfiltered, band));
                 spectra.add(&mut unfiltered, Crossing::Amplitude, band);
             }
             if self.echogram.bins() > 0 {
@@ -268,14 +270,35 @@ impl Sound<'_> {
         }
         spectra.into_channels(self.samples)
     }
+}
 
-    fn add_taps(&self, unfiltered: &mut [Vec<f64>], band: usize, encoding: Encoding) {
-        for tap in self.taps {
-            let gains = encoding.gains(self.axes, -tap.direction);
-            for (samples, gain) in unfiltered.iter_mut().zip(gains) {
-                let place = tap.seconds * self.rate_hz;
-                filters::add_tap(samples, place, gain * amplitude(tap.energy[band]));
-            }
+/// A tap with its impulse, which is that of all bands and channels.
+struct PlacedTap<'a> {
+    tap: &'a Tap,
+    /// Index of the first sample of the impulse.
+    first: i64,
+    impulse: filters::Impulse,
+    /// The gain of each channel.
+    gains: [f64; MOST_CHANNELS],
+}
+
+impl PlacedTap<'_> {
+    fn new<'a>(sound: &Sound, tap: &'a Tap, encoding: Encoding) -> PlacedTap<'a> {
+        let (first, impulse) = filters::impulse(tap.seconds * sound.rate_hz);
+        PlacedTap {
+            tap,
+            first,
+            impulse,
+            gains: encoding.gains(sound.axes, -tap.direction),
+        }
+    }
+
+    /// Adds the tap's sound in a band, unfiltered, to the samples of each channel.
+    fn add(&self, channels: &mut [Vec<f64>], band: usize) {
+        let amplitude = amplitude(self.tap.energy[band]);
+        for (samples, gain) in channels.iter_mut().zip(self.gains) {
+            let of_band = self.impulse.map(|value| gain * amplitude * value);
+            filters::add_from(samples, self.first, of_band);
         }
     }
 }
