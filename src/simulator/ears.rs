@@ -7,7 +7,7 @@ use super::messages::{MESSAGES_PER_SOURCE, Message, SPARE_VOICES};
 use super::network::Network;
 use super::taps::Hearing;
 use super::voice::{Output, Voice};
-use super::{EarsFormat, Pose, SimulatorError, SourceId};
+use super::{EarsFormat, HeadTracker, SimulatorError, SourceId};
 use crate::bands::BAND_COUNT;
 use crate::hrtf::HrirSet;
 use crate::response::ImpulseSettings;
@@ -164,6 +164,7 @@ pub struct Mix {
     rate_hz: u32,
     encoder: Encoder,
     channels: usize,
+    head_tracker: HeadTracker,
     /// The rotation of the listener, and that of the head against it.
     listener: Quat,
     head: Quat,
@@ -179,7 +180,7 @@ pub struct Mix {
 pub(super) type Ends = (Producer<Box<Message>>, Consumer<Box<Message>>);
 
 impl Mix {
-    pub(super) fn new(spec: &EarsSpec, encoder: Encoder) -> (Mix, Ends) {
+    pub(super) fn new(spec: &EarsSpec, encoder: Encoder, head_tracker: HeadTracker) -> (Mix, Ends) {
         let capacity = spec.sources * MESSAGES_PER_SOURCE;
         let (to_inbox, inbox) = RingBuffer::new(capacity);
         let (outbox, from_outbox) = RingBuffer::new(capacity);
@@ -203,6 +204,7 @@ impl Mix {
             rate_hz: spec.rate_hz,
             encoder,
             channels: spec.format.channels(),
+            head_tracker,
             listener: Quat::IDENTITY,
             head: Quat::IDENTITY,
             turns: false,
@@ -219,20 +221,6 @@ impl Mix {
         self.channels
     }
 
-    /// Turns the head against the listener, for example by a head tracker or a mouse: `rotation` is a quaternion (x, y,
-    /// z, w) of any length except 0, from the axes of the head to those of the listener. It is heard in the next block,
-    /// and does not wait for a commit. The direction of the late part does not change.
-    ///
-    /// # Errors
-    /// [`SimulatorError::BadPose`] for a quaternion that is 0 or not finite.
-    pub fn turn_head(&mut self, rotation: impl Into<[f32; 4]>) -> Result<(), SimulatorError> {
-        let pose = Pose::default().turned(rotation);
-        let head = SimulatorError::unless_possible(pose, "head")?.rotation;
-        self.turns |= head != self.head;
-        self.head = head;
-        Ok(())
-    }
-
     /// Overwrites `out`, all channels interleaved, with the next samples. `fill` is called for each source that is
     /// heard, with its id and the place for the next samples of its sound, which are silent before. It is called several
     /// times if there are more than 128 samples. An incomplete last frame is silent. A removed source is not asked for
@@ -242,6 +230,9 @@ impl Mix {
             out.fill(0.0);
             return;
         }
+        let head = self.head_tracker.rotation();
+        self.turns |= head != self.head;
+        self.head = head;
         self.take_messages();
         self.turn();
         for chunk in out.chunks_mut(CHUNK * self.channels) {
@@ -386,14 +377,6 @@ impl Ears {
     /// Number of channels.
     pub fn channels(&self) -> usize {
         self.mix.channels
-    }
-
-    /// Turns the head against the listener: see [`Mix::turn_head`].
-    ///
-    /// # Errors
-    /// [`SimulatorError::BadPose`] for a quaternion that is 0 or not finite.
-    pub fn turn_head(&mut self, rotation: impl Into<[f32; 4]>) -> Result<(), SimulatorError> {
-        self.mix.turn_head(rotation)
     }
 
     /// Overwrites `out`, all channels interleaved, with what is heard of the next samples of the source. Silent

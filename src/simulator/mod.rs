@@ -48,6 +48,7 @@ mod fit;
 mod hall;
 mod head;
 mod head_filter;
+mod head_tracker;
 mod heard;
 mod messages;
 mod network;
@@ -67,6 +68,7 @@ mod world;
 pub use ears::{Ears, EarsSpec, Mix};
 pub use encoder::EarsFormat;
 pub use error::SimulatorError;
+pub use head_tracker::HeadTracker;
 pub use pose::Pose;
 pub use reverb::Reverb;
 pub use settings::SimulatorSettings;
@@ -126,6 +128,7 @@ pub struct Simulator {
     shared: Arc<Shared>,
     workers: Workers,
     heads: Heads,
+    head_tracker: HeadTracker,
 }
 
 impl Simulator {
@@ -143,6 +146,7 @@ impl Simulator {
             settings,
             shared,
             heads: Heads::default(),
+            head_tracker: HeadTracker::new(),
         })
     }
 
@@ -317,6 +321,11 @@ impl Simulator {
         self.world.set_listener(pose, None)
     }
 
+    /// Turns the head of the listener, from any thread and without a commit.
+    pub fn head_tracker(&self) -> HeadTracker {
+        self.head_tracker.clone()
+    }
+
     /// Hands the world to the workers, and returns the number of this commit. Every object was checked when it was added
     /// or moved, so this copies ids and poses only. It does not wait; a commit that no worker has taken yet is replaced.
     pub fn commit(&mut self) -> u64 {
@@ -356,7 +365,7 @@ impl Simulator {
     fn heard_by(&self, spec: &EarsSpec, only: Option<SourceId>) -> Result<Mix, SimulatorError> {
         spec.validate()?;
         let encoder = Encoder::of(&spec.format, spec.rate_hz, &self.heads)?;
-        let (mix, ends) = Mix::new(spec, encoder);
+        let (mix, ends) = Mix::new(spec, encoder, self.head_tracker());
         let settings = (spec.rate_hz, spec.sources, only);
         self.shared.subscribe(Subscriber::new(settings, ends));
         Ok(mix)

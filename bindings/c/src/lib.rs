@@ -23,7 +23,7 @@ pub use objects::{
     echomarch_add_scene, echomarch_add_source, echomarch_add_surface, echomarch_enable_source,
     echomarch_enable_surface, echomarch_place_listener, echomarch_place_source,
     echomarch_place_surface, echomarch_remove_source, echomarch_remove_surface,
-    echomarch_set_material, echomarch_set_source, echomarch_set_surface,
+    echomarch_set_material, echomarch_set_source, echomarch_set_surface, echomarch_turn_head,
 };
 pub use results::{
     EchomarchEcho, EchomarchState, EchomarchUpdate, echomarch_commit, echomarch_state,

@@ -364,3 +364,23 @@ pub unsafe extern "C" fn echomarch_place_listener(
     // SAFETY: the caller's handle.
     unsafe { with(sim, body) }
 }
+
+/// Turns the head against the listener, for example by a head tracker: `rotation` has the four numbers of a quaternion
+/// (x, y, z, w) of any length except 0, from the axes of the head to those of the listener. Heard in the next block of
+/// each mix, without a commit.
+///
+/// # Safety
+/// `sim` is NULL or a handle that no other thread uses; `rotation` is NULL or points to four numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn echomarch_turn_head(
+    sim: *mut EchomarchSimulator,
+    rotation: *const f32,
+) -> EchomarchStatus {
+    let body = |sim: &mut EchomarchSimulator| {
+        // SAFETY: the caller's four numbers.
+        let rotation: [f32; 4] = unsafe { read(rotation.cast(), "the rotation") }?;
+        Ok(sim.simulator.head_tracker().turn(rotation)?)
+    };
+    // SAFETY: the caller's handle.
+    unsafe { with(sim, body) }
+}

@@ -71,6 +71,7 @@ static void test_nothing(void) {
     EXPECT(echomarch_enable_source(none, 0, 1) == NO);
     EXPECT(echomarch_remove_source(none, 0) == NO);
     EXPECT(echomarch_place_listener(none, &HERE) == NO);
+    EXPECT(echomarch_turn_head(none, HERE.rotation) == NO);
     EXPECT(echomarch_commit(none, NULL) == NO);
     EXPECT(echomarch_state(none, &state) == NO);
     EXPECT(echomarch_would_compile(none, &answer) == NO);
@@ -141,6 +142,8 @@ static void test_bad_inputs(void) {
     REFUSED(BAD, "position", echomarch_place_listener(sim, &NOWHERE));
     REFUSED(BAD, "quaternion", echomarch_place_listener(sim, &UNTURNED));
     REFUSED(ECHOMARCH_STATUS_NULL, "pose", echomarch_place_listener(sim, NULL));
+    REFUSED(BAD, "head", echomarch_turn_head(sim, UNTURNED.rotation));
+    REFUSED(ECHOMARCH_STATUS_NULL, "rotation", echomarch_turn_head(sim, NULL));
     REFUSED(ECHOMARCH_STATUS_NULL, "state", echomarch_state(sim, NULL));
     REFUSED(ECHOMARCH_STATUS_NULL, "would_compile", echomarch_would_compile(sim, NULL));
 }
@@ -283,6 +286,8 @@ static void test_world(void) {
     EXPECT(echomarch_remove_surface(sim, box) == OK);
     REFUSED(ECHOMARCH_STATUS_NO_OBJECT, "removed", echomarch_remove_surface(sim, box));
     EXPECT(echomarch_enable_source(sim, source, 0) == OK && echomarch_enable_source(sim, source, 1) == OK);
+
+    EXPECT(echomarch_turn_head(sim, (const float[]){0, 0.7071f, 0, 0.7071f}) == OK);
 
     /* The sound of both fades in. Then the simulator ends before them. */
     end = time(NULL) + LIMIT_S;
