@@ -35,10 +35,28 @@ impl Brink {
     /// The end of the face of `edge` next to the leg that leads to `end`; `None` if the face is longer than the leg.
     pub fn beside(space: &impl Space, edge: &Edge, other: DVec3, end: DVec3) -> Option<Brink> {
         let leg_m = edge.point.distance(end);
-        let (along_face, outwards) = edge.face_beside(space, [end, other], FIRST * leg_m)?;
+        // In the shadow the solid is on the side of the other leg, which is turned by more than half a circle.
+        let outwards = edge.point - other;
+        let face = edge.face_beside(space, (end, outwards), FIRST * leg_m)?;
+        Brink::of_face(space, edge, face, leg_m)
+    }
+
+    /// The line of the end.
+    pub fn edge(&self) -> Edge {
+        self.edge
+    }
+
+    /// The end of the face with these unit vectors along it, away from the edge, and out of the solid; `None` if it is wider
+    /// than `most_m` metres.
+    pub fn of_face(
+        space: &impl Space,
+        edge: &Edge,
+        (along_face, outwards): (DVec3, DVec3),
+        most_m: f64,
+    ) -> Option<Brink> {
         let is_past =
             |metres: f64| space.distance(edge.point + along_face * metres) > PAST * metres;
-        let mut from = FIRST * leg_m;
+        let mut from = FIRST * most_m;
         if is_past(from) {
             return None;
         }
@@ -46,7 +64,7 @@ impl Brink {
         while !is_past(to) {
             from = to;
             to *= LONGER;
-            if to > leg_m {
+            if to > most_m {
                 return None;
             }
         }

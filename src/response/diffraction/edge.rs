@@ -118,18 +118,17 @@ impl Edge {
         })
     }
 
-    /// Unit vectors along the face that lies beside the leg to `end`, away from the leg to `other`, at right angles to the
-    /// edge, and out of the solid there.
+    /// Unit vectors along the face that lies beside the leg to `end`, at right angles to the edge, and out of the solid
+    /// there. `outwards` points from the edge away from the solid.
     pub fn face_beside(
         &self,
         space: &impl Space,
-        [end, other]: [DVec3; 2],
+        (end, outwards): (DVec3, DVec3),
         radius: f64,
     ) -> Option<(DVec3, DVec3)> {
         let towards = self.split(end).1.try_normalize()?;
         let away = self.along.cross(towards);
-        // In the shadow the solid is on the side of the other leg, which is turned by more than half a circle.
-        let side = away * self.split(other).1.dot(away).signum();
+        let side = away * -outwards.dot(away).signum();
         let (sine, cosine) = self.face(space, towards, side, radius)?.sin_cos();
         Some((
             towards * cosine + side * sine,

@@ -136,7 +136,7 @@ impl Lit {
             let Some(added) = rim.added(space, k, (*face, wide)) else {
                 continue;
             };
-            reflected += added.reflected.norm_sqr();
+            reflected += added.reflected;
             sounds.push(Sound {
                 pressure: added.direct,
                 length_m: rim.length_m,

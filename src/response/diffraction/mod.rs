@@ -24,6 +24,7 @@
 //! half-plane, for the edges beside the way, and further ones around each edge that is found.
 
 mod bend;
+mod beyond;
 mod brink;
 mod curvature;
 #[cfg(test)]

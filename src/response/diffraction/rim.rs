@@ -5,14 +5,15 @@
 //! pressure is continuous at the boundary of the shadow. A plane has no diffracted pressure, and drops out.
 
 use super::bend::Bend;
+use super::beyond::FaceBeside;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, face_distance_m};
 use super::errors::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::narrow::factor_of;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::touch::{MOST_DETOUR_M, SIDES, STRAIGHT, edge_at, touched};
-use super::wedge::{Wedge, behind_screen};
+use super::touch::{MOST_DETOUR_M, edge_at, touched};
+use super::wedge::{Diffracted, Wedge, behind_screen};
 use crate::bands::Bands;
 use glam::DVec3;
 use num_complex::Complex64;
@@ -21,8 +22,8 @@ use std::f64::consts::PI;
 /// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
 const PLANE: f64 = 0.01;
 
-/// Distance from an edge at which the normals of its faces are measured, as a share of the leg.
-const NEAR_EDGE: f64 = 0.01;
+/// Share of the greatest detour up to which reflections at the faces of an edge count fully.
+const ALL_REFLECTED: f64 = 0.5;
 
 /// An edge beside the way.
 pub(super) struct Rim {
@@ -38,8 +39,8 @@ pub(super) struct Rim {
     /// Half-planes whose tents touch obstacles, and those of them whose tents touch this edge.
     own: Vec<(Samples, [bool; HALF_PLANES])>,
     lines: Vec<Samples>,
-    /// Whether the listener hears the reflections at the first and at the second face, which are paths of their own.
-    are_heard: [bool; 2],
+    /// The faces beside the source and beside the listener.
+    faces: [FaceBeside; 2],
     /// The half-planes on the edge's side of the straight way in which it is the first obstacle.
     pub half_planes: [bool; HALF_PLANES],
 }
@@ -51,8 +52,8 @@ pub(super) struct Added {
     pub direct: Complex64,
     /// To reflections at its faces in the direction of the direct sound, which end together with it.
     ending: Complex64,
-    /// To reflections at its faces that the listener does not hear there.
-    pub reflected: Complex64,
+    /// Energy of reflections at its faces beyond their ends.
+    pub reflected: f64,
     /// The pressure behind the edge at the boundary of its shadow, relative to that behind a thin screen.
     pub behind: Complex64,
 }
@@ -65,17 +66,9 @@ impl Rim {
         strings: &[Option<TautString>],
     ) -> Vec<Rim> {
         let above = |index: usize| strings.get(index).map(Option::as_ref);
-        let touches: Touches = std::array::from_fn(|index| {
-            let touch = match above(index) {
-                Some(None) => None,
-                known => touched(
-                    space,
-                    planes,
-                    (index as f64 * STEP, known.flatten()),
-                    &SIDES,
-                ),
-            };
-            touch.map(|(touch, _)| touch)
+        let touches: Touches = std::array::from_fn(|index| match above(index) {
+            Some(None) => None,
+            known => touched(space, planes, (index as f64 * STEP, known.flatten())),
         });
         let detours = touches.map(|touch| touch.map(|touch| planes.detour_m(touch)));
         let search = Search {
@@ -100,6 +93,14 @@ impl Rim {
                 }
             }
         }
+        // A face between two of the edges reflects once.
+        for index in 1..rims.len() {
+            let (before, rest) = rims.split_at_mut(index);
+            let near_m = rest[0].near_m();
+            for (other, face) in before.iter().flat_map(|other| [(other, 0), (other, 1)]) {
+                rest[0].faces[face].leave_to(&other.edge, near_m);
+            }
+        }
         rims
     }
 
@@ -111,7 +112,7 @@ impl Rim {
     ) -> Option<Rim> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let Some(edge) = edge_at(space, planes, (azimuth, above)) else {
+            let Some((edge, _)) = edge_at(space, planes, (azimuth, above)) else {
                 break;
             };
             let (rim, is_nearest) = Rim::nearest(space, planes, edge, azimuth);
@@ -165,7 +166,7 @@ impl Rim {
             own: Vec::new(),
             grazing: None,
             lines: all_samples(&lines),
-            are_heard: [false; 2],
+            faces: [FaceBeside::default(); 2],
             half_planes: [false; HALF_PLANES],
         }
     }
@@ -184,7 +185,8 @@ impl Rim {
         let after_m = self.edge.point.distance(self.listener);
         Rim {
             grazing: Bend::grazing(space, self.source, self.edge, after_m, self.inwards),
-            are_heard: self.are_reflections_heard(space),
+            faces: [[self.source, self.listener], [self.listener, self.source]]
+                .map(|ends| FaceBeside::of(space, (&self.edge, self.inwards), ends)),
             ..self
         }
     }
@@ -230,24 +232,6 @@ impl Rim {
         is_edge(1.0) || is_edge(0.1)
     }
 
-    /// Whether the points of reflection at the planes of both faces lie on the faces, near the edge or far from it.
-    fn are_reflections_heard(&self, space: &impl Space) -> [bool; 2] {
-        let ends = [self.source, self.listener];
-        [0, 1].map(|face| {
-            let beside = [ends[face], ends[1 - face]];
-            let radius = NEAR_EDGE * self.edge.point.distance(beside[0]);
-            let Some((_, normal)) = self.edge.face_beside(space, beside, radius) else {
-                return false;
-            };
-            let heights = ends.map(|end| (end - self.edge.point).dot(normal));
-            let share = heights[0] / (heights[0] + heights[1]);
-            let point = self.source.lerp(self.listener, share)
-                - normal * (2.0 * heights[0] * heights[1] / (heights[0] + heights[1]));
-            let error = ON_SURFACE * self.length_m;
-            heights.iter().all(|height| *height > 0.0) && space.distance(point).abs() <= error
-        })
-    }
-
     /// Distance in metres from the edge at which sound of the wave number `k` perceives its faces.
     fn face_m(&self, k: f64) -> f64 {
         let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
@@ -270,14 +254,26 @@ impl Rim {
             Some(grazing) => grazing.most_round(space, k),
             None => 0.0,
         };
-        let mut added = match self.wedge(space, self.face_m(k)) {
-            Some(wedge) => self.added_by_edge(&wedge, k, face),
+        let radius = self.face_m(k);
+        let wedge = self.wedge(space, radius);
+        let sounds = wedge.map(|wedge| (wedge.diffracted(k), wedge.shares_of_direct()));
+        let mut added = match &sounds {
+            Some((diffracted, shares)) => Added {
+                direct: diffracted.direct,
+                ending: face
+                    * (shares[0] * diffracted.reflected[0] + shares[1] * diffracted.reflected[1]),
+                ..Added::default()
+            },
             // A body that is smaller than the zone has no faces there: it disturbs the front as a thin screen does.
             None => Added {
                 direct: -straight,
                 ..Added::default()
             },
         };
+        let way = (k, self.source.distance(self.listener));
+        let single = self.of_faces(&sounds, |face, term| face.reflected(way, radius, term));
+        let both = self.of_faces(&sounds, |face, term| face.over_both_ends(k, term));
+        added.reflected = face * face * (single.norm_sqr() + both.norm_sqr());
         let [mut ratio, mut behind] = [Complex64::ONE; 2];
         if let Some(grazing) = &self.grazing {
             // Twice the pressures at the boundary of the shadow: an edge of a thin screen halves it.
@@ -286,32 +282,30 @@ impl Rim {
             ratio = behind / (edge * (1.0 - round) + round);
             added.direct = added.direct * (1.0 - round) - straight * round;
             added.ending *= 1.0 - round;
-            added.reflected *= 1.0 - round;
+            added.reflected *= (1.0 - round) * (1.0 - round);
         }
         // At the boundary of the shadow the whole pressure is that behind the edge, times the ratio.
         Some(Added {
             direct: (added.direct * (2.0 - ratio) + added.ending * ratio) * strength,
             ending: Complex64::ZERO,
-            reflected: added.reflected * strength,
+            reflected: added.reflected * ends.norm_sqr() * self.nearness_of_reflected(),
             behind,
         })
     }
 
-    fn added_by_edge(&self, wedge: &Wedge, k: f64, face: f64) -> Added {
-        let diffracted = wedge.diffracted(k);
-        let mut added = Added {
-            direct: diffracted.direct,
-            ..Added::default()
-        };
-        let shares = wedge.shares_of_direct();
-        let terms = diffracted.reflected.into_iter().zip(shares);
-        for ((term, share), is_heard) in terms.zip(self.are_heard) {
-            added.ending += face * share * term;
-            if !is_heard {
-                added.reflected += face * (1.0 - share * share).sqrt() * term;
-            }
-        }
-        added
+    /// The sum over both faces of a function of their diffracted reflections and of the shares of these in the direct sound.
+    fn of_faces(
+        &self,
+        sounds: &Option<(Diffracted, [f64; 2])>,
+        of: impl Fn(&FaceBeside, (Complex64, f64)) -> Complex64,
+    ) -> Complex64 {
+        let none = [Complex64::ZERO; 2];
+        let sounds = sounds.as_ref();
+        let (terms, shares) =
+            sounds.map_or((none, [0.0; 2]), |(all, shares)| (all.reflected, *shares));
+        let terms = terms.into_iter().zip(shares);
+        let faces = self.faces.iter().zip(terms);
+        faces.map(|(beside, term)| of(beside, term)).sum()
     }
 
     /// Half-widths in decibels of the intervals that contain 95 % of the errors of the energy that the edge adds, by band:
@@ -332,6 +326,12 @@ impl Rim {
         (1.0 - (self.detour_m() / MOST_DETOUR_M).powi(2))
             .max(0.0)
             .powi(2)
+    }
+
+    /// How much reflections at its faces count: their ways are no longer if the edge is farther from the straight way.
+    fn nearness_of_reflected(&self) -> f64 {
+        let beyond = (self.detour_m() / MOST_DETOUR_M - ALL_REFLECTED) / (1.0 - ALL_REFLECTED);
+        (1.0 - beyond.clamp(0.0, 1.0).powi(2)).powi(2)
     }
 
     /// Whether the edge lies on the straight way.
@@ -425,38 +425,13 @@ impl<'a, S: Space, F: Fn(usize) -> Option<Option<&'a TautString>>> Search<'_, S,
         owners
     }
 
-    /// The straight edge that tents touch in the shortest of neighbouring half-planes, and the index of that half-plane;
-    /// `None` if the surface is curved there.
+    /// The straight edge that a tent touches in the shortest of these half-planes, and the index of that half-plane; `None` if
+    /// the surface is curved there.
     fn straight_edge(&self, run: &[usize]) -> Option<(usize, Edge)> {
         let detour = |index: &usize| self.detours[*index].unwrap_or(f64::INFINITY);
         let shortest = *run.iter().min_by(|a, b| detour(a).total_cmp(&detour(b)))?;
-        let point = self.touches[shortest]?;
-        let line = |middle: DVec3, end: DVec3| {
-            let along = (end - point).try_normalize()?;
-            let towards = (middle - point).try_normalize()?;
-            (along.angle_between(towards) < STRAIGHT).then_some(along)
-        };
-        let along = |step: usize, share: f64| {
-            let next = (shortest + step) % HALF_PLANES;
-            match run.contains(&next) {
-                true => line(self.between(shortest, share)?, self.touches[next]?),
-                false => None,
-            }
-        };
-        let alone = || {
-            let [before, after] = [-0.5, 0.5].map(|share| self.between(shortest, share));
-            line(2.0 * point - before?, after?)
-        };
-        let along = along(1, 0.5).or_else(|| along(HALF_PLANES - 1, -0.5));
-        let along = along.or_else(|| alone().filter(|_| run.len() == 1))?;
-        Some((shortest, Edge { point, along }))
-    }
-
-    /// The touch at a share of the angle to the next half-plane.
-    fn between(&self, index: usize, share: f64) -> Option<DVec3> {
-        let azimuth = (index as f64 + share) * STEP;
-        let above = (self.above)(index).flatten();
-        let touch = touched(self.space, self.planes, (azimuth, above), &SIDES);
-        touch.map(|(touch, _)| touch)
+        let tent = (shortest as f64 * STEP, (self.above)(shortest).flatten());
+        let (edge, is_straight) = edge_at(self.space, self.planes, tent)?;
+        is_straight.then_some((shortest, edge))
     }
 }

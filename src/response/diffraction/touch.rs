@@ -5,60 +5,77 @@ use super::space::Space;
 use super::string::{FINE, HalfPlanes, TautString};
 use super::tent::bisect;
 use glam::DVec3;
+use std::ops::RangeInclusive;
 
 /// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
 pub(super) const MOST_DETOUR_M: f64 = 4.0;
 
-/// Directions along a face.
-pub(super) const SIDES: [f64; 2] = [1.0, -1.0];
+/// Share of the way to a touch at which the touch in the half-plane half way lies on a straight edge: a half where the
+/// half-plane turns little.
+const HALF_WAY: RangeInclusive<f64> = 0.25..=0.75;
 
 /// The point at which an obstacle above the straight line, or above a string, touches the lowest tent that it blocks. If a
-/// tent touches a plane face, it is the end of the face with the shortest detour, of those on these sides. Also the side.
-pub(super) fn touched(
+/// tent touches a plane face, it is the end of the face for which `far` is least.
+fn touched_by(
     space: &impl Space,
     planes: &HalfPlanes,
     (azimuth, above): (f64, Option<&TautString>),
-    sides: &[f64],
-) -> Option<(DVec3, f64)> {
+    far: impl Fn(DVec3) -> f64,
+) -> Option<DVec3> {
     let touch = planes.beyond(space, azimuth, above, MOST_DETOUR_M)?;
     let along = planes.along_face(space, azimuth, touch)?;
-    let end = |side: &f64| Some((end_of_face(space, planes, touch, along * *side)?, *side));
-    let ends = sides.iter().filter_map(end);
-    let nearest = ends.min_by(|a, b| planes.detour_m(a.0).total_cmp(&planes.detour_m(b.0)));
-    Some(nearest.unwrap_or((touch, sides[0])))
+    let end = |along: DVec3| end_of_face(space, planes, touch, along);
+    let ends = [along, -along].into_iter().filter_map(end);
+    let nearest = ends.min_by(|a, b| far(*a).total_cmp(&far(*b)));
+    Some(nearest.unwrap_or(touch))
 }
 
-/// The edge that a tent touches, from the tents in two half-planes next to each other.
+/// The point at which an obstacle touches the lowest tent that it blocks, or the end of a plane face there with the shortest
+/// detour.
+pub(super) fn touched(
+    space: &impl Space,
+    planes: &HalfPlanes,
+    tent: (f64, Option<&TautString>),
+) -> Option<DVec3> {
+    touched_by(space, planes, tent, |end| planes.detour_m(end))
+}
+
+/// The edge that a tent touches, from the tents in two half-planes next to each other, and whether it is straight there.
 pub(super) fn edge_at(
     space: &impl Space,
     planes: &HalfPlanes,
     (azimuth, above): (f64, Option<&TautString>),
-) -> Option<Edge> {
-    let (point, side) = touched(space, planes, (azimuth, above), &SIDES)?;
+) -> Option<(Edge, bool)> {
+    let point = touched(space, planes, (azimuth, above))?;
+    // The detours over both ends of a face may be equal: the other touch lies on the same edge as this one.
     let beside = |turn: f64| {
-        let (other, _) = touched(space, planes, (azimuth + turn, above), &[side])?;
-        (other - point).try_normalize()
+        let tent = (azimuth + turn, above);
+        let other = touched_by(space, planes, tent, |end| end.distance(point))?;
+        Some(other - point).filter(|along| *along != DVec3::ZERO)
     };
     // Beyond the end of an edge, tents touch another edge.
     let is_straight = |turn: f64, along: DVec3| {
         let half = beside(0.5 * turn);
-        half.is_some_and(|half| half.angle_between(along) < STRAIGHT)
+        half.is_some_and(|half| {
+            half.angle_between(along) < STRAIGHT
+                && HALF_WAY.contains(&(half.length() / along.length()))
+        })
     };
     let mut all = [TURN, -TURN]
         .into_iter()
         .filter_map(|turn| Some((turn, beside(turn)?)));
     let first = all.next()?;
-    let along = match is_straight(first.0, first.1) {
-        true => first.1,
-        false => all
-            .find(|(turn, along)| is_straight(*turn, *along))
-            .map_or(first.1, |(_, along)| along),
-    };
-    Some(Edge { point, along })
+    let straight = [first]
+        .into_iter()
+        .chain(all)
+        .find(|(turn, along)| is_straight(*turn, *along));
+    let (_, along) = straight.unwrap_or(first);
+    let along = along.normalize();
+    Some((Edge { point, along }, straight.is_some()))
 }
 
 /// Angle in radians between lines to neighbouring touches up to which they lie on a straight edge.
-pub(super) const STRAIGHT: f64 = 0.01;
+const STRAIGHT: f64 = 0.01;
 
 /// Distance at which the search for the end of a face begins, as a share of the distance between source and listener, and
 /// the factor between distances that are tried.

@@ -51,10 +51,11 @@ pub(super) struct Way {
     are_heard: [bool; 2],
     /// Detours of the half-planes that become longer from its own on.
     own: Vec<Samples>,
-    /// Detours over the lines of its edges.
+    /// Detours over the lines of its edges, if these are parallel.
     lines: Vec<Samples>,
-    /// The least detour over these lines in metres: less than that of the way if they end before.
-    endless_m: f64,
+    /// The least detour over these lines in metres: less than that of the way if they end before. `None` for edges that are
+    /// not parallel, as a jamb and a lintel: half-planes over both lines have no stationary way in common.
+    endless_m: Option<f64>,
     /// Ways along the surface in each half-plane, if the way has a single turn and that is curved.
     arcs: Vec<Option<Arc>>,
     /// Wavelength over 2π in metres at which the factor of the way counts half: infinite for an obstacle without an end.
@@ -195,7 +196,7 @@ impl Ways {
             let Some(added) = rim.added(space, k, (*face, 1.0)) else {
                 continue;
             };
-            reflected += added.reflected.norm_sqr();
+            reflected += added.reflected;
             sounds.push(Sound {
                 pressure: added.direct,
                 length_m: rim.length_m,
@@ -251,9 +252,10 @@ impl Way {
             .collect();
         let apart_m = planes.apart_m();
         let detour_m = bend.length_m - apart_m;
+        let are_parallel = bend.has_parallel_edges();
         let lines = ring::detours(|azimuth| {
-            let length = bend.length_over_lines(planes, azimuth)?;
-            Some(length - apart_m)
+            let length = bend.length_over_lines(planes, azimuth);
+            Some(length.filter(|_| are_parallel)? - apart_m)
         });
         let beside = |turn: f64| {
             let string = planes.string(space, bend.azimuth + turn)?;
@@ -276,7 +278,7 @@ impl Way {
             own: vec![own],
             arcs,
             lines: all_samples(&lines),
-            endless_m: bend.length_over_endless_lines() - apart_m,
+            endless_m: are_parallel.then(|| bend.length_over_endless_lines() - apart_m),
             wide_m,
             growth_m,
             edge_growth_m,
@@ -369,8 +371,10 @@ impl Way {
             let alone = product * (apart_m / bend.length_m) / screen(detour_m);
             let factor = (1.0 - round) * relative(alone);
             let [own, beyond] = self.sums(k, |_| Complex64::ONE);
-            let endless = screen(self.endless_m) * Complex64::cis(k * self.endless_m);
-            let front = endless + own - ring::sum(&self.lines, k);
+            let endless = self.endless_m.map_or(Complex64::ZERO, |detour_m| {
+                screen(detour_m) * Complex64::cis(k * detour_m) - ring::sum(&self.lines, k)
+            });
+            let front = endless + own;
             all += factor * front;
             opposite += factor * beyond;
         }

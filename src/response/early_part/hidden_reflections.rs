@@ -1,6 +1,6 @@
 //! Reflections at plane faces whose paths an object hides. Diffraction bends them around it.
 
-use crate::response::exact_paths::{Candidates, EarlyPaths, Found, NoPath, Vertex};
+use crate::response::exact_paths::{Candidates, EarlyPaths, Ends, Found, NoPath, Vertex};
 
 /// The hidden reflections among candidates.
 #[derive(Default)]
@@ -15,8 +15,12 @@ pub(super) struct HiddenReflections {
 const SAME_NORMAL: f64 = 1e-6;
 
 impl HiddenReflections {
-    /// The reflections at plane faces that an object hides.
-    pub fn among(candidates: &Candidates, found: &Found, paths: &EarlyPaths) -> HiddenReflections {
+    /// The reflections at plane faces that an object hides, also where it covers the point of reflection.
+    pub fn among(
+        candidates: &Candidates,
+        found: &Found,
+        (paths, ends): (&EarlyPaths, &Ends),
+    ) -> HiddenReflections {
         let mut reflections: Vec<Vertex> = Vec::new();
         let mut index_of = |vertex: &Vertex| {
             let is_same = |known: &Vertex| {
@@ -38,6 +42,9 @@ impl HiddenReflections {
             _ => None,
         };
         let of_candidate = (0..candidates.len()).map(&mut of).collect();
+        for vertex in paths.reflections_in_solids(ends) {
+            index_of(&vertex);
+        }
         HiddenReflections {
             reflections,
             of_candidate,

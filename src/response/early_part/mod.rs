@@ -109,7 +109,7 @@ impl EarlyPart {
         };
         let found = paths.find(&ends, &candidates);
         let hidden = match search.diffracts {
-            true => HiddenReflections::among(&candidates, &found, paths),
+            true => HiddenReflections::among(&candidates, &found, (paths, &ends)),
             false => HiddenReflections::default(),
         };
         let groups = early_band_groups(scene, order);

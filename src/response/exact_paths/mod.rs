@@ -60,6 +60,7 @@ use crate::scene::{IntoPair, Pair, SceneError};
 use candidates::Follow;
 use check::EdgeStart;
 use glam::{DVec3, Vec3};
+use sheet::Sheet;
 use surfaces::Surfaces;
 
 /// The surfaces of a scene as mirrors, for the search for paths.
@@ -192,6 +193,28 @@ impl EarlyPaths {
     /// are more than 131,072 images of the source. All sequences of one reflection are always tried.
     pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
         candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
+    }
+
+    /// The reflections at planes whose point of reflection lies in a solid beside the face: paths around the solid may be
+    /// reflected at the face. The planes are those of [`EarlyPaths::add_planes`].
+    pub(crate) fn reflections_in_solids(&self, ends: &Ends) -> Vec<Vertex> {
+        let planes = self.surfaces.planes();
+        let vertex = |(surface, sheet): &(u32, Sheet)| {
+            let (normal, offset) = sheet.plane()?;
+            let heights = [ends.source, ends.listener].map(|end| end.dot(normal) - offset);
+            if heights.iter().any(|height| *height <= self.surfaces.touch) {
+                return None;
+            }
+            let share = heights[0] / (heights[0] + heights[1]);
+            let image = fermat::image(ends.source, normal, offset);
+            Some(Vertex {
+                point: image.lerp(ends.listener, share),
+                normal,
+                surface: *surface,
+            })
+        };
+        let all = planes.iter().filter_map(vertex);
+        all.filter(|vertex| !self.is_open(vertex.point)).collect()
     }
 
     /// The image of the source in these planes, mirrored in one plane after the other, in world metres.

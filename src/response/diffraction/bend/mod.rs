@@ -196,6 +196,12 @@ impl Bend {
         self.is_sharp() && self.brinks == [None; 2]
     }
 
+    /// Whether all its edges are parallel.
+    pub fn has_parallel_edges(&self) -> bool {
+        let mut neighbours = self.edges.windows(2);
+        neighbours.all(|edges| edges[0].is_parallel_to(&edges[1]))
+    }
+
     /// Whether all turns are at edges, or at roundings that are much smaller than the legs.
     fn is_narrow(&self) -> bool {
         let turns = self.turns.iter().enumerate();
