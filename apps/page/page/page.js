@@ -478,7 +478,8 @@ async function begin() {
   $("renderer").textContent = page.renderer();
   // The first scene stands still until P is pressed.
   follow(location.hash || "#motion=off");
-  canvas.focus();
+  // A page that embeds this one keeps the focus, and its place.
+  if (window.top === window) canvas.focus();
   requestAnimationFrame(loop);
   prepare();
   listening.prepare();
