@@ -6,3 +6,4 @@ mod oracle;
 mod oracles_hold;
 mod responses;
 mod stated_errors;
+mod walks;

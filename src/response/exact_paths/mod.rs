@@ -61,7 +61,17 @@ use candidates::Follow;
 use check::EdgeStart;
 use glam::{DVec3, Vec3};
 use sheet::Sheet;
+use std::f64::consts::TAU;
 use surfaces::Surfaces;
+
+/// The places on a face that may be seen: numbers of directions and of distances about its vertex, and the factor from one
+/// distance to the next.
+const SEEN_SIDES: u32 = 16;
+const SEEN_STEPS: u32 = 16;
+const SEEN_NEARER: f64 = 0.75;
+
+/// Height above a face at which it is seen, in *touches*.
+const LIFT_IN_TOUCHES: f64 = 1e3;
 
 /// The surfaces of a scene as mirrors, for the search for paths.
 #[derive(Clone, Debug)]
@@ -195,8 +205,9 @@ impl EarlyPaths {
         candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
     }
 
-    /// The reflections at planes whose point of reflection lies in a solid beside the face: paths around the solid may be
-    /// reflected at the face. The planes are those of [`EarlyPaths::add_planes`].
+    /// The reflections at planes whose point of reflection lies in a solid beside the face, if the source or the listener sees
+    /// the face near this point: paths around the solid may be reflected there. The planes are those of
+    /// [`EarlyPaths::add_planes`].
     pub(crate) fn reflections_in_solids(&self, ends: &Ends) -> Vec<Vertex> {
         let planes = self.surfaces.planes();
         let vertex = |(surface, sheet): &(u32, Sheet)| {
@@ -214,7 +225,27 @@ impl EarlyPaths {
             })
         };
         let all = planes.iter().filter_map(vertex);
-        all.filter(|vertex| !self.is_open(vertex.point)).collect()
+        let beside = all.filter(|vertex| !self.is_open(vertex.point));
+        beside.filter(|vertex| self.is_seen(vertex, ends)).collect()
+    }
+
+    /// Whether the source or the listener sees the plane face of a vertex in a solid, as far from it as they are apart.
+    fn is_seen(&self, vertex: &Vertex, ends: &Ends) -> bool {
+        let touch = self.surfaces.touch;
+        let first = vertex.normal.any_orthonormal_vector();
+        let second = vertex.normal.cross(first);
+        let apart_m = ends.source.distance(ends.listener);
+        let mut places = (0..SEEN_SIDES * SEEN_STEPS).map(|index| {
+            let angle = TAU * f64::from(index % SEEN_SIDES) / f64::from(SEEN_SIDES);
+            let metres = apart_m * SEEN_NEARER.powi((index / SEEN_SIDES) as i32);
+            vertex.point + (first * angle.cos() + second * angle.sin()) * metres
+        });
+        places.any(|place| {
+            let lifted = place + vertex.normal * (LIFT_IN_TOUCHES * touch);
+            let is_seen_from = |end: DVec3| self.exact.is_in_sight(end, lifted);
+            self.surfaces.has(vertex.surface, place)
+                && (is_seen_from(ends.source) || is_seen_from(ends.listener))
+        })
     }
 
     /// The image of the source in these planes, mirrored in one plane after the other, in world metres.
