@@ -190,6 +190,32 @@ impl Surface {
         }
     }
 
+    /// The names of all parts that can have a material of their own: walls of a room or of all boxes of rooms, boxes of
+    /// rooms and their walls, and groups of faces of a mesh.
+    #[doc(hidden)]
+    pub fn part_names(&self) -> Vec<&str> {
+        let walls = Room::WALL_NAMES.iter().copied();
+        let walls = walls.filter(|_| self.takes_walls());
+        let boxes = self.rooms().into_iter().flat_map(Rooms::boxes);
+        let boxes = boxes.map(|of| of.name.as_str());
+        let groups = (0..).map_while(|group| self.group_name(group));
+        walls.chain(boxes).chain(groups).collect()
+    }
+
+    /// Gives the [part](Self::part_names) of this name a material. Returns whether there is such a part.
+    #[doc(hidden)]
+    pub fn set_part_material(&mut self, part: &str, material: &str) -> bool {
+        if !self.part_names().contains(&part) {
+            return false;
+        }
+        let wall = Room::WALL_NAMES.iter().position(|wall| *wall == part);
+        match wall.filter(|_| self.takes_walls()) {
+            Some(wall) => self.walls[wall] = Some(material.to_owned()),
+            None => drop(self.faces.insert(part.to_owned(), material.to_owned())),
+        }
+        true
+    }
+
     /// The names of all materials of the surface: its own, then those of its walls.
     pub(super) fn material_names(&self) -> impl Iterator<Item = &str> {
         let walls = self.walls.iter();

@@ -193,22 +193,17 @@ impl Scene {
             surface.material = Some(material.to_owned());
             return Ok(());
         };
-        let names = (0..).map_while(|part| surface.part_name(part).map(str::to_owned));
-        let names: Vec<String> = names.collect();
-        let Some(found) = names.iter().position(|name| name == part) else {
-            let known = match names.is_empty() {
-                true => "it has no parts".to_owned(),
-                false => format!("it has: {}", names.join(", ")),
-            };
-            return Err(errors::settings(format!(
-                "{label} has no part {part:?}; {known}"
-            )));
-        };
-        match surface.shape.name() == "Mesh" {
-            true => drop(surface.faces.insert(part.to_owned(), material.to_owned())),
-            false => surface.walls[found] = Some(material.to_owned()),
+        if surface.set_part_material(part, material) {
+            return Ok(());
         }
-        Ok(())
+        let names = surface.part_names();
+        let known = match names.is_empty() {
+            true => "it has no parts".to_owned(),
+            false => format!("it has: {}", names.join(", ")),
+        };
+        Err(errors::settings(format!(
+            "{label} has no part {part:?}; {known}"
+        )))
     }
 
     /// Sets the share of sound that built-in materials scatter, by band.

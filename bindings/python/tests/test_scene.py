@@ -71,6 +71,23 @@ def test_scattering_holds_for_materials_that_state_none(room):
         room.scattering = [0.1, 0.2, 0.3]
 
 
+def test_parts_of_rooms_have_materials():
+    """Protects joined rooms: a box, one of its walls, and a wall of all boxes get a material as in a scene file."""
+    boxes = 'Rooms(of: [(name: "long", from: (0, 0, 0), to: (7, 2.8, 3)), (name: "short", from: (0, 0, 3), to: (3, 2.8, 6))])'
+    for part, written in {
+        "short": 'faces: {"short": "carpet"}',
+        "short/floor": 'faces: {"short/floor": "carpet"}',
+        "floor": 'walls: Walls(floor: "carpet")',
+    }.items():
+        scene = em.Scene.empty("L")
+        scene.add_surface(boxes, material="plasterboard", name="room")
+        scene.set_material("room", "carpet", part=part)
+        flat = " ".join(scene.to_ron().split()).replace("{ ", "{").replace(", }", "}")
+        assert written in flat, flat
+        with pytest.raises(em.SettingsError, match="has no part \"cellar\"; it has: "):
+            scene.set_material("room", "carpet", part="cellar")
+
+
 def test_air_changes_speed_and_losses(room):
     """Protects the air: cold air is slower, and removing it restores the first result."""
     without = em.response(room, **CHEAP)

@@ -307,7 +307,8 @@ class Scene:
         material : float, 8 floats, str or Material
             An absorption, the name of a built-in or added material, or a material.
         part : str, optional
-            A wall of a room, or a group of faces of a mesh.
+            A wall of a room ("floor"), a box of rooms ("hall") or one of its walls ("hall/floor"), or a group of faces
+            of a mesh.
         """
         if not isinstance(material, str):
             name = surface if part is None else f"{surface}/{part}"
