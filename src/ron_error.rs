@@ -42,6 +42,12 @@ pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
         Error::ExpectedDifferentStructName { expected, found } => other_name(kind, expected, found),
         Error::ExpectedNamedStructLike(name) if *name == kind.outermost => begins(kind),
         code => of_name(code)
+            .map(|told| match code {
+                Error::NoSuchStructField { .. } if is_unclosed(text) => {
+                    format!("{told}; or is a closing bracket missing before it?")
+                }
+                _ => told,
+            })
             .or_else(|| of_end(text, error, kind))
             .or_else(|| of_form(code, Around::of(text, error.span.start)))
             .or_else(|| of_sign(code))
@@ -107,6 +113,28 @@ fn of_name(code: &Error) -> Option<String> {
         }
         _ => return None,
     })
+}
+
+/// Whether more brackets are opened than closed, outside of comments and quoted texts.
+fn is_unclosed(text: &str) -> bool {
+    let mut depth = 0_i64;
+    let mut is_quoted = false;
+    let mut chars = text
+        .lines()
+        .flat_map(|line| line.chars().chain(['\n']))
+        .peekable();
+    while let Some(next) = chars.next() {
+        match next {
+            '\\' if is_quoted => drop(chars.next()),
+            '"' => is_quoted = !is_quoted,
+            _ if is_quoted => {}
+            '/' if chars.peek() == Some(&'/') => drop(chars.find(|c| *c == '\n')),
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            _ => {}
+        }
+    }
+    depth > 0
 }
 
 /// Reports an unknown field of a part, and lists the known fields.
@@ -296,6 +324,32 @@ mod tests {
             let said = told(&format!("Scene(surfaces: [],\n {field})"));
             assert!(said.starts_with("f:2:"), "{said}");
             assert!(said.contains(sentence), "{field}: {said}");
+        }
+    }
+
+    /// Protects authors who forget a bracket: the fields of the next part count as those of the part before, and the
+    /// message says why. Brackets in comments and in quoted texts do not count.
+    #[test]
+    fn a_missing_bracket_is_suspected() {
+        let hint = "or is a closing bracket missing before it?";
+        for (text, has_hint) in [
+            (
+                "Scene(surfaces: [Surface(shape: Room(size: (8, 3, 5), material: \"m\")])",
+                true,
+            ),
+            (
+                "Scene(surfaces: [Surface(shape: Plane, source: Source(position: (0, 0, 0))])",
+                true,
+            ),
+            (
+                "Scene(surfaces: [Surface(shape: Plane, colour: 1)]) // (",
+                false,
+            ),
+            ("Scene(name: \"(\", colour: 1)", false),
+        ] {
+            let said = told(text);
+            assert!(said.contains("there is no field"), "{said}");
+            assert_eq!(said.contains(hint), has_hint, "{said}");
         }
     }
 }
