@@ -47,7 +47,11 @@ impl Gap {
     }
 
     fn of_band(figures: &BandFigures, cut_off: Option<f64>, is_withheld: bool) -> Option<Gap> {
-        if cut_off.is_none_or(|share| share > TOLD_CUT_OFF) {
+        let most = match figures.t30_s {
+            Some(_) => TOLD_CUT_OFF,
+            None => Figures::most_cut_off(),
+        };
+        if cut_off.is_none_or(|share| share > most) {
             return Some(Gap::TooShort);
         }
         let times = [figures.edt_s, figures.t20_s, figures.t30_s];
@@ -259,6 +263,9 @@ mod tests {
         assert_eq!(Gap::of_band(&noisy, Some(0.0), false), Some(Gap::TooNoisy));
         assert_eq!(Gap::of_band(&dry, Some(0.0), false), Some(Gap::NoLateSound));
         assert_eq!(Gap::of_band(&dry, Some(0.0), true), Some(Gap::TooNoisy));
+        // At −40 dB a record ends too early for T30, and early enough for all other figures.
+        assert_eq!(Gap::of_band(&whole, Some(1e-4), false), None);
+        assert_eq!(Gap::of_band(&noisy, Some(1e-4), false), Some(Gap::TooShort));
         for figures in [whole, noisy, dry] {
             assert_eq!(Gap::of_band(&figures, None, false), Some(Gap::TooShort));
             assert_eq!(

@@ -5,7 +5,7 @@
 //! figure is attributed to them, and the numbers grow where the noise is.
 
 use super::accuracy::{Accuracy, Ended};
-use super::figures::{Demand, Growth, Parts, Record};
+use super::figures::{Demand, Figures, Growth, Parts, Record};
 use super::from_arrivals::Traced;
 use super::late::Onset;
 use super::source_sound::Medium;
@@ -31,10 +31,6 @@ const GREATEST_GROWTH: f64 = 4.0;
 
 /// Factor of the record's length if sound continues after its end.
 const LONGER: f64 = 1.5;
-
-/// The share of the energy beyond a record's end from which on a further round has a longer record. Ten times this
-/// share withholds figures.
-const MOST_CUT_OFF: f64 = 1e-3;
 
 /// The least growth of a kind of waves for a further round. With less growth a round would not change the figures
 /// noticeably.
@@ -382,11 +378,11 @@ fn decays(pair: Pair) -> bool {
     pair.scene.has_materials() || pair.scene.air.is_some()
 }
 
-/// Whether sound arrives after the record's end in any band.
+/// Whether so much sound arrives after the record's end that T30 is not defined in some band.
 fn is_cut_off(response: &Response) -> bool {
     let cut_off = response.figures.cut_off.iter();
     let mut of_heard = cut_off.zip(response.energy()).filter(|(_, e)| *e > 0.0);
-    of_heard.any(|(share, _)| share.is_none_or(|share| share > MOST_CUT_OFF))
+    of_heard.any(|(share, _)| share.is_none_or(|share| share > Figures::most_cut_off()))
 }
 
 #[cfg(test)]

@@ -67,6 +67,11 @@ const NO_TAIL: Tail = Tail {
     time_s: 0.0,
 };
 
+/// Greatest share of all energy beyond the record for a decay to this level in decibels.
+pub(super) fn most_tail_share(lower_db: f64) -> f64 {
+    10_f64.powf((lower_db - MARGIN_DB) / 10.0)
+}
+
 impl<'a> Decay<'a> {
     /// Creates the decay of a band. `None` without energy, or if the tail cannot be estimated: if the energy of the
     /// record's second half is not 5 dB below that of the first half, the record does not decay by 10 dB.
@@ -181,8 +186,7 @@ impl<'a> Decay<'a> {
     /// The least-squares line through the curve in decibels between two levels (both negative or 0, the upper level
     /// first).
     pub(super) fn line(&self, upper_db: f64, lower_db: f64) -> Option<Line> {
-        let ends_db = 10.0 * self.tail_share().log10();
-        if ends_db > lower_db - MARGIN_DB {
+        if self.tail_share() > most_tail_share(lower_db) {
             return None;
         }
         let (begins_s, ends_s) = (self.reaches_s(upper_db)?, self.reaches_s(lower_db)?);

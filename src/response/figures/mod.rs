@@ -4,7 +4,7 @@
 use super::{Echogram, Tap, check_taps};
 use crate::bands::BAND_COUNT;
 use crate::serialised::finite;
-use decay::Decay;
+use decay::{Decay, most_tail_share};
 use pieces::Piece;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -264,6 +264,14 @@ fn lists(
         cut_off[band] = Some(decay.tail_share());
     }
     (lists, ends_s, cut_off)
+}
+
+impl Figures {
+    /// Greatest share of a band's energy beyond the record with which T30 is defined.
+    pub(crate) fn most_cut_off() -> f64 {
+        let (_, lower_db) = DECAYS_DB[DECAY_TIMES - 1];
+        most_tail_share(lower_db)
+    }
 }
 
 /// The longest EDT, in multiples of the record's length. EDT is six times a decay of 10 dB, and exceeds the record's 60 dB

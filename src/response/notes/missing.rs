@@ -45,7 +45,10 @@ fn sentence(
         ),
         Gap::TooNoisy => {
             let noisy = too_noisy(response, of_reason);
-            format!("too noisy: {}", noisy.join("; "))
+            match noisy.is_empty() {
+                true => format!("decay times are not defined: {times}"),
+                false => format!("too noisy: {}", noisy.join("; ")),
+            }
         }
     }
 }
