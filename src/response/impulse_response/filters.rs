@@ -35,6 +35,7 @@ impl Crossing {
 
     /// The gain of a band's filter at a frequency. Below the lowest and above the highest centre frequency, only the
     /// nearest band has gain.
+    #[cfg(any(test, feature = "audio"))]
     pub(super) fn gain(self, band: usize, frequency_hz: f64) -> f64 {
         self.gain_at(band, octave(frequency_hz))
     }
