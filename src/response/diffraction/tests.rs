@@ -7,6 +7,7 @@ use super::wedge::{Wedge, shadow_function};
 use super::{Ends, Reflection, around, beside, intercepted, within_faces};
 use crate::Scene;
 use crate::geometry::ExactScene;
+use crate::sampling::Random;
 use glam::DVec3;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -408,4 +409,60 @@ fn ways_around_a_ball_are_kept_by_side() {
         assert_eq!(sounds[0].length_m, heard[0].length_m);
         assert!(sounds[0].pressure.norm() > 0.0);
     }
+}
+
+/// Protects levels among round bodies on or near a floor: a path that bends around them is at most 3 dB louder than in
+/// the open, where a focus is. A way between a body and its image has strings over the other one beside it.
+#[test]
+fn no_way_around_a_body_on_the_floor_is_louder_than_in_the_open() {
+    let mut random = Random::new(5);
+    let mut between = |low: f64, high: f64| {
+        low + (high - low) * random.below(1 << 20) as f64 / f64::from(1 << 20)
+    };
+    let mut heard = 0;
+    for number in 0..240 {
+        let radius = between(0.3, 0.9);
+        let gap = between(0.0, 0.15);
+        let (shape, height) = match number % 3 {
+            0 => (format!("Sphere(radius: {radius})"), radius),
+            1 => (
+                format!("Capsule(radius: {radius}, height: 1)"),
+                radius + 0.5,
+            ),
+            _ => (
+                format!("Ellipsoid(radii: ({}, {radius}, {radius}))", 2.0 * radius),
+                radius,
+            ),
+        };
+        let turn = between(0.0, 180.0);
+        let body = format!(
+            "Surface(shape: {shape}, position: (0, {}, 0), rotation: (0, {turn}, 0))",
+            height + gap
+        );
+        let mut end = |side: f64| {
+            DVec3::new(
+                side * between(2.0, 6.0),
+                between(0.3, 2.2),
+                between(-0.5, 0.5),
+            )
+        };
+        let ends = (end(-1.0), end(1.0));
+        let scene = exact(&format!("Surface(shape: Plane), {body}"), ends);
+        let mirror = super::mirrored::Mirror {
+            surface: 1,
+            point: DVec3::ZERO,
+            normal: DVec3::Y,
+        };
+        let rigid = |_| [1.0; 8];
+        let mut paths = around(&scene, ends, SPEED, rigid);
+        paths.extend(super::around_mirrored(&scene, mirror, ends, SPEED, rigid));
+        heard += paths.len();
+        for path in paths {
+            let open = 1.0 / (4.0 * PI * path.length_m.powi(2));
+            let most = path.energy.into_iter().fold(0.0, f64::max);
+            let level_db = 10.0 * (most / open).log10();
+            assert!(level_db < 3.0, "{level_db} dB, {number}: {body}, {ends:?}");
+        }
+    }
+    assert!(heard > 100, "{heard}");
 }

@@ -20,8 +20,16 @@ use num_complex::Complex64;
 const NARROW: f64 = 3.0;
 const NARROW_ENDLESS: f64 = 0.2;
 
-/// Turn of the half-plane in radians over which the growth of a string's length is measured.
-const BESIDE: f64 = 0.1;
+/// Turns of the half-plane in radians over which the growth of a string's length is measured: the first one counts if the
+/// next gives the same growth.
+const BESIDE: [f64; 4] = [0.1, 0.05, 0.025, 0.0125];
+
+/// Greatest ratio of two growths that count as the same. The growth of a length that bends off beside the way doubles
+/// with half the turn.
+const SAME_GROWTH: f64 = 1.5;
+
+/// Growth in metres that does not count: a phase of 0.15 rad at 8 kHz.
+const NO_GROWTH_M: f64 = 1e-3;
 
 /// Angle in half-planes up to which a bend belongs to a basin: the search for the stationary way moves it.
 const SAME_BASIN: f64 = 3.0;
@@ -257,13 +265,11 @@ impl Way {
             let length = bend.length_over_lines(planes, azimuth);
             Some(length.filter(|_| are_parallel)? - apart_m)
         });
-        let beside = |turn: f64| {
-            let string = planes.string(space, bend.azimuth + turn)?;
-            Some(string.length_m() - bend.length_m)
+        // Edges have no focus.
+        let growth_m = match bend.is_sharp() {
+            true => 0.0,
+            false => growth_m(space, planes, &bend),
         };
-        let rises: Vec<f64> = [BESIDE, -BESIDE].into_iter().filter_map(beside).collect();
-        let mean = rises.iter().sum::<f64>() / rises.len().max(1) as f64;
-        let growth_m = (mean / BESIDE.tan().powi(2)).max(0.0);
         let (edge_growth_m, width, closed) = match bend.turns[..] {
             [turn] => {
                 let arc = bend.arc(0);
@@ -406,6 +412,34 @@ impl Way {
         let opposite = self.opposite.as_ref();
         let around_opposite = opposite.map(|opposite| sum(&|index| opposite.shares[index]));
         [sum(&|_| 1.0), around_opposite.unwrap_or_default()]
+    }
+}
+
+/// Growth of the length of a way with the square of the tangent of the azimuth in metres, from the strings beside it. If a
+/// string beside the way touches another body, or leads over an edge, it is much longer: the growth then depends on the
+/// turn, and the least one counts.
+fn growth_m(space: &impl Space, planes: &HalfPlanes, bend: &Bend) -> f64 {
+    let beside = |turn: f64| {
+        let string = planes.string(space, bend.azimuth + turn)?;
+        Some((string.length_m() - bend.length_m) / turn.tan().powi(2))
+    };
+    let mut wider: Option<f64> = None;
+    let mut least = f64::INFINITY;
+    for turn in BESIDE {
+        let sides: Vec<f64> = [turn, -turn].into_iter().filter_map(beside).collect();
+        let mean = sides.iter().sum::<f64>().max(0.0) / sides.len().max(1) as f64;
+        if let Some(wider) = wider
+            && wider <= SAME_GROWTH * mean + NO_GROWTH_M
+            && mean <= SAME_GROWTH * wider + NO_GROWTH_M
+        {
+            return wider;
+        }
+        wider = (!sides.is_empty()).then_some(mean);
+        least = sides.into_iter().fold(least, f64::min);
+    }
+    match least.is_finite() {
+        true => least.max(0.0),
+        false => 0.0,
     }
 }
 

@@ -187,7 +187,7 @@ impl Bend {
     }
 
     /// Whether all turns are at edges.
-    fn is_sharp(&self) -> bool {
+    pub fn is_sharp(&self) -> bool {
         self.turns.iter().all(|turn| turn.arc_m == 0.0)
     }
 
