@@ -6,7 +6,7 @@
 
 use super::bend::Bend;
 use super::beyond::FaceBeside;
-use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, face_distance_m};
+use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
 use super::errors::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::narrow::factor_of;
 use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
@@ -112,7 +112,7 @@ impl Rim {
     ) -> Option<Rim> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let Some((edge, _)) = edge_at(space, planes, (azimuth, above)) else {
+            let Some((edge, _)) = edge_at(space, planes, (azimuth, above), TURN) else {
                 break;
             };
             let (rim, is_nearest) = Rim::nearest(space, planes, edge, azimuth);
@@ -328,7 +328,8 @@ impl Rim {
             .powi(2)
     }
 
-    /// How much reflections at its faces count: their ways are no longer if the edge is farther from the straight way.
+    /// How much reflections at its faces count: as loud far from the straight way as near it, up to a share of the greatest
+    /// detour.
     fn nearness_of_reflected(&self) -> f64 {
         let beyond = (self.detour_m() / MOST_DETOUR_M - ALL_REFLECTED) / (1.0 - ALL_REFLECTED);
         (1.0 - beyond.clamp(0.0, 1.0).powi(2)).powi(2)
@@ -431,7 +432,7 @@ impl<'a, S: Space, F: Fn(usize) -> Option<Option<&'a TautString>>> Search<'_, S,
         let detour = |index: &usize| self.detours[*index].unwrap_or(f64::INFINITY);
         let shortest = *run.iter().min_by(|a, b| detour(a).total_cmp(&detour(b)))?;
         let tent = (shortest as f64 * STEP, (self.above)(shortest).flatten());
-        let (edge, is_straight) = edge_at(self.space, self.planes, tent)?;
+        let (edge, is_straight) = edge_at(self.space, self.planes, tent, 0.5 * STEP)?;
         is_straight.then_some((shortest, edge))
     }
 }

@@ -1,6 +1,6 @@
 //! The edges that tents touch.
 
-use super::edge::{Edge, TURN};
+use super::edge::Edge;
 use super::space::Space;
 use super::string::{FINE, HalfPlanes, TautString};
 use super::tent::bisect;
@@ -40,11 +40,13 @@ pub(super) fn touched(
     touched_by(space, planes, tent, |end| planes.detour_m(end))
 }
 
-/// The edge that a tent touches, from the tents in two half-planes next to each other, and whether it is straight there.
+/// The edge that a tent touches, from the tents in half-planes that are turned by `most` radians and by half of it, and
+/// whether it is straight there.
 pub(super) fn edge_at(
     space: &impl Space,
     planes: &HalfPlanes,
     (azimuth, above): (f64, Option<&TautString>),
+    most: f64,
 ) -> Option<(Edge, bool)> {
     let point = touched(space, planes, (azimuth, above))?;
     // The detours over both ends of a face may be equal: the other touch lies on the same edge as this one.
@@ -61,7 +63,7 @@ pub(super) fn edge_at(
                 && HALF_WAY.contains(&(half.length() / along.length()))
         })
     };
-    let mut all = [TURN, -TURN]
+    let mut all = [most, -most]
         .into_iter()
         .filter_map(|turn| Some((turn, beside(turn)?)));
     let first = all.next()?;

@@ -229,7 +229,7 @@ impl EarlyPaths {
         beside.filter(|vertex| self.is_seen(vertex, ends)).collect()
     }
 
-    /// Whether the source or the listener sees the plane face of a vertex in a solid, as far from it as they are apart.
+    /// Whether the source or the listener sees the plane face of a vertex in a solid, within the distance between both.
     fn is_seen(&self, vertex: &Vertex, ends: &Ends) -> bool {
         let touch = self.surfaces.touch;
         let first = vertex.normal.any_orthonormal_vector();
