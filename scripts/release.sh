@@ -107,26 +107,27 @@ check_interface() {
 }
 
 make_crates() {
-    local package made
+    local package made folder
     local -a options=(--locked --allow-dirty)
     for package in "${PUBLISHED[@]}"; do
         options+=(-p "$package")
     done
-    # Cargo's versions leave the packages in different folders below this one.
-    if [[ -d "$built/package" ]]; then
-        find "$built/package" -name '*.crate' -delete
-    fi
     "$verify" || options+=(--no-verify)
-    run cargo publish --dry-run "${options[@]}"
+    # A folder of its own: cargo keeps the packages of a folder from run to run, and would verify those of an earlier run.
+    mkdir -p "$built"
+    folder="$(mktemp -d "$built/publish.XXXXXX")"
+    run cargo publish --dry-run --target-dir "$folder" "${options[@]}"
     mkdir -p "$out/crates"
     for package in "${PUBLISHED[@]}"; do
-        made="$(find "$built/package" -name "$package-$version.crate" -print -quit)"
+        # Cargo's versions leave the packages in different folders below this one.
+        made="$(find "$folder/package" -name "$package-$version.crate" -print -quit)"
         if [[ -z "$made" ]]; then
-            complain "cargo publish has left no $package-$version.crate below $built/package"
+            complain "cargo publish has left no $package-$version.crate below $folder/package"
             return 1
         fi
         cp "$made" "$out/crates"
     done
+    rm -rf "$folder"
 }
 
 make_debian_package() {
