@@ -411,8 +411,8 @@ fn ways_around_a_ball_are_kept_by_side() {
     }
 }
 
-/// Protects levels among round bodies on or near a floor: a path that bends around them is at most 3 dB louder than in
-/// the open, where a focus is. A way between a body and its image has strings over the other one beside it.
+/// Protects levels among round bodies on or near a floor: a path that bends around them is at most 6 dB louder than in
+/// the open, as much as a focus counts. A way between a body and its image has strings over the other one beside it.
 #[test]
 fn no_way_around_a_body_on_the_floor_is_louder_than_in_the_open() {
     let mut random = Random::new(5);
@@ -461,7 +461,7 @@ fn no_way_around_a_body_on_the_floor_is_louder_than_in_the_open() {
             let open = 1.0 / (4.0 * PI * path.length_m.powi(2));
             let most = path.energy.into_iter().fold(0.0, f64::max);
             let level_db = 10.0 * (most / open).log10();
-            assert!(level_db < 3.0, "{level_db} dB, {number}: {body}, {ends:?}");
+            assert!(level_db < 6.0, "{level_db} dB, {number}: {body}, {ends:?}");
         }
     }
     assert!(heard > 100, "{heard}");

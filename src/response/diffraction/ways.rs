@@ -31,6 +31,11 @@ const SAME_GROWTH: f64 = 1.5;
 /// Growth in metres that does not count: a phase of 0.15 rad at 8 kHz.
 const NO_GROWTH_M: f64 = 1e-3;
 
+/// Greatest pressure of a ray tube, relative to that of the strings beside its way. On a ball both are the same. Where
+/// strings beside the way lead over another body too, their lengths do not bound the ray tube, which would become up to 20
+/// times as loud.
+const MOST_FOCUS: f64 = 2.0;
+
 /// Angle in half-planes up to which a bend belongs to a basin: the search for the stationary way moves it.
 const SAME_BASIN: f64 = 3.0;
 
@@ -393,11 +398,20 @@ impl Way {
                 ),
                 None => factor,
             });
-            let focus = round * screen(self.tube_growth_m) / screen(self.growth_m);
+            let focus = round * self.focus(k);
             all += own * focus;
             opposite += beyond * focus;
         }
         Some([all - opposite, opposite])
+    }
+
+    /// The pressure of the ray tube relative to that of the strings in the half-planes beside the way, at most
+    /// [`MOST_FOCUS`].
+    fn focus(&self, k: f64) -> Complex64 {
+        let [tube, strings] =
+            [self.tube_growth_m, self.growth_m].map(|growth_m| behind_screen(k * growth_m));
+        let focus = tube / strings;
+        focus / (focus.norm() / MOST_FOCUS).max(1.0)
     }
 
     /// The integral of exp(ikδ) over the half-planes of the way, divided by 2π, and the part of it around the other
