@@ -483,6 +483,17 @@ EchomarchStatus echomarch_remove_source(EchomarchSimulator *sim, uint64_t source
 EchomarchStatus echomarch_place_listener(EchomarchSimulator *sim, const EchomarchPose *pose);
 
 /**
+ * Turns the head against the listener, for example by a head tracker: `rotation` has the four numbers of a quaternion
+ * (x, y, z, w) of any length except 0, from the axes of the head to those of the listener. Heard in the next block of
+ * each mix, without a commit.
+ *
+ * # Safety
+ * `sim` is NULL or a handle that no other thread uses; `rotation` is NULL or points to four numbers.
+ */
+EchomarchStatus echomarch_turn_head(EchomarchSimulator *sim,
+                                    const float *rotation);
+
+/**
  * Hands the world to the simulator's threads. It does not wait. Writes the number of the commit, from 1, to `commit`,
  * unless it is NULL.
  *
