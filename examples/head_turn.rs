@@ -177,10 +177,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let recorded = recorded.lock().unwrap_or_else(PoisonError::into_inner);
     let heard = exchanges(&recorded);
     for (name, by_head) in [("turn of the head", true), ("exchange of channels", false)] {
-        let of_kind = changes.iter().filter(|change| change.by_head == by_head);
-        let latency_ms = |change: &Change| {
-            let next = heard.iter().find(|at| **at > change.requested)?;
-            Some(1e3 * (*next - change.requested).as_secs_f64())
+        let ends = changes
+            .iter()
+            .skip(1)
+            .map(|next| Some(next.requested))
+            .chain([None]);
+        let of_kind = changes
+            .iter()
+            .zip(ends)
+            .filter(|(change, _)| change.by_head == by_head);
+        // A change that is not heard before the next one is lost.
+        let latency_ms = |(change, end): (&Change, Option<Instant>)| {
+            let next = *heard.iter().find(|at| **at > change.requested)?;
+            let is_own = end.is_none_or(|end| next < end);
+            is_own.then(|| 1e3 * (next - change.requested).as_secs_f64())
         };
         summary(name, of_kind.filter_map(latency_ms).collect());
     }

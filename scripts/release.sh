@@ -116,6 +116,8 @@ make_crates() {
     # A folder of its own: cargo keeps the packages of a folder from run to run, and would verify those of an earlier run.
     mkdir -p "$built"
     folder="$(mktemp -d "$built/publish.XXXXXX")"
+    # shellcheck disable=SC2064
+    trap "rm -rf '$folder'" EXIT
     run cargo publish --dry-run --target-dir "$folder" "${options[@]}"
     mkdir -p "$out/crates"
     for package in "${PUBLISHED[@]}"; do

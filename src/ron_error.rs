@@ -119,10 +119,7 @@ fn of_name(code: &Error) -> Option<String> {
 fn is_unclosed(text: &str) -> bool {
     let mut depth = 0_i64;
     let mut is_quoted = false;
-    let mut chars = text
-        .lines()
-        .flat_map(|line| line.chars().chain(['\n']))
-        .peekable();
+    let mut chars = text.chars().peekable();
     while let Some(next) = chars.next() {
         match next {
             '\\' if is_quoted => drop(chars.next()),

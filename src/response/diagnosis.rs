@@ -12,10 +12,6 @@ use crate::scene::{Material, Node, Scene, Shape};
 use glam::Vec3;
 use std::f64::consts::LN_10;
 
-/// The loss beyond the response's end is reported if it exceeds this share of the energy: a tenth of the limit for
-/// figures.
-const TOLD_CUT_OFF: f64 = 0.001;
-
 /// Reason why figures of a band are missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Gap {
@@ -47,11 +43,7 @@ impl Gap {
     }
 
     fn of_band(figures: &BandFigures, cut_off: Option<f64>, is_withheld: bool) -> Option<Gap> {
-        let most = match figures.t30_s {
-            Some(_) => TOLD_CUT_OFF,
-            None => Figures::most_cut_off(),
-        };
-        if cut_off.is_none_or(|share| share > most) {
+        if cut_off.is_none_or(|share| share > Figures::most_cut_off()) {
             return Some(Gap::TooShort);
         }
         let times = [figures.edt_s, figures.t20_s, figures.t30_s];
@@ -264,8 +256,8 @@ mod tests {
         assert_eq!(Gap::of_band(&dry, Some(0.0), false), Some(Gap::NoLateSound));
         assert_eq!(Gap::of_band(&dry, Some(0.0), true), Some(Gap::TooNoisy));
         // At −40 dB a record ends too early for T30, and early enough for all other figures.
-        assert_eq!(Gap::of_band(&whole, Some(1e-4), false), None);
         assert_eq!(Gap::of_band(&noisy, Some(1e-4), false), Some(Gap::TooShort));
+        assert_eq!(Gap::of_band(&noisy, Some(1e-5), false), Some(Gap::TooNoisy));
         for figures in [whole, noisy, dry] {
             assert_eq!(Gap::of_band(&figures, None, false), Some(Gap::TooShort));
             assert_eq!(

@@ -10,6 +10,7 @@ use super::from_arrivals::Traced;
 use super::late::Onset;
 use super::source_sound::Medium;
 use super::{Response, ResponseSettings, taps_of_energy};
+use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::Pair;
 use crate::tracer;
 
@@ -31,6 +32,10 @@ const GREATEST_GROWTH: f64 = 4.0;
 
 /// Factor of the record's length if sound continues after its end.
 const LONGER: f64 = 1.5;
+
+/// The share of the energy beyond a record's end from which on a further round has a longer record, if the decay of the band
+/// is unknown. Ten times this share withholds figures.
+const MOST_CUT_OFF: f64 = 1e-3;
 
 /// The least growth of a kind of waves for a further round. With less growth a round would not change the figures
 /// noticeably.
@@ -168,7 +173,7 @@ impl Effort {
     ) -> Result<Effort, Ended> {
         let response = &traced.response;
         let can_grow = settings.seconds.is_none() && decays(pair);
-        let seconds = match can_grow && is_cut_off(response) {
+        let seconds = match can_grow && is_cut_off(&response.figures, &response.energy()) {
             true => (LONGER * self.seconds).min(settings.longest_s.max(self.seconds)),
             false => self.seconds,
         };
@@ -378,11 +383,18 @@ fn decays(pair: Pair) -> bool {
     pair.scene.has_materials() || pair.scene.air.is_some()
 }
 
-/// Whether so much sound arrives after the record's end that T30 is not defined in some band.
-fn is_cut_off(response: &Response) -> bool {
-    let cut_off = response.figures.cut_off.iter();
-    let mut of_heard = cut_off.zip(response.energy()).filter(|(_, e)| *e > 0.0);
-    of_heard.any(|(share, _)| share.is_none_or(|share| share > Figures::most_cut_off()))
+/// Whether a longer record is needed: the decay of a band does not end in this one, or it is known and T30 is not defined.
+/// `energy` is that of all arrivals by band.
+fn is_cut_off(figures: &Figures, energy: &Bands) -> bool {
+    let mut heard = (0..BAND_COUNT).filter(|band| energy[*band] > 0.0);
+    heard.any(|band| {
+        let most = match figures.bands[band].edt_s {
+            Some(_) => Figures::most_cut_off(),
+            // A few late arrivals do not show a decay.
+            None => MOST_CUT_OFF,
+        };
+        figures.cut_off[band].is_none_or(|share| share > most)
+    })
 }
 
 #[cfg(test)]

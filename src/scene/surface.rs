@@ -193,19 +193,18 @@ impl Surface {
     /// The names of all parts that can have a material of their own: walls of a room or of all boxes of rooms, boxes of
     /// rooms and their walls, and groups of faces of a mesh.
     #[doc(hidden)]
-    pub fn part_names(&self) -> Vec<&str> {
-        let walls = Room::WALL_NAMES.iter().copied();
+    pub fn part_names(&self) -> Vec<String> {
+        let walls = Room::WALL_NAMES.iter().map(|wall| (*wall).to_owned());
         let walls = walls.filter(|_| self.takes_walls());
-        let boxes = self.rooms().into_iter().flat_map(Rooms::boxes);
-        let boxes = boxes.map(|of| of.name.as_str());
-        let groups = (0..).map_while(|group| self.group_name(group));
+        let boxes = self.rooms().into_iter().flat_map(Rooms::names);
+        let groups = (0..).map_while(|group| self.group_name(group).map(str::to_owned));
         walls.chain(boxes).chain(groups).collect()
     }
 
     /// Gives the [part](Self::part_names) of this name a material. Returns whether there is such a part.
     #[doc(hidden)]
     pub fn set_part_material(&mut self, part: &str, material: &str) -> bool {
-        if !self.part_names().contains(&part) {
+        if !self.part_names().iter().any(|name| name == part) {
             return false;
         }
         let wall = Room::WALL_NAMES.iter().position(|wall| *wall == part);

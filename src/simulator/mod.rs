@@ -321,7 +321,7 @@ impl Simulator {
         self.world.set_listener(pose, None)
     }
 
-    /// Turns the head of the listener, from any thread and without a commit.
+    /// A handle that turns the head of the listener, from any thread and without a commit.
     pub fn head_tracker(&self) -> HeadTracker {
         self.head_tracker.clone()
     }

@@ -39,7 +39,7 @@ const REACH: usize = 4;
 /// Shortest delay in samples: a tap reads the frame after its place.
 const SHORTEST: f64 = 2.0;
 
-/// Units of a gliding delay in a sample. Integers need no conversion of the whole samples for each sample.
+/// Units of a gliding delay in a sample: the upper 32 bits are whole samples, without a conversion from `f64` for each sample.
 const DELAY_UNITS: f64 = (1_u64 << 32) as f64;
 
 /// Silent frames before a new sound: all that a tap reads in one step together with the sound's first frame.

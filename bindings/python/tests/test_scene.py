@@ -73,11 +73,12 @@ def test_scattering_holds_for_materials_that_state_none(room):
 
 def test_parts_of_rooms_have_materials():
     """Protects joined rooms: a box, one of its walls, and a wall of all boxes get a material as in a scene file."""
-    boxes = 'Rooms(of: [(name: "long", from: (0, 0, 0), to: (7, 2.8, 3)), (name: "short", from: (0, 0, 3), to: (3, 2.8, 6))])'
+    boxes = 'Rooms(of: [(name: "long", from: (0, 0, 0), to: (7, 2.8, 3)), (name: "short", from: (0, 0, 3), to: (3, 2.8, 6)), (from: (0, 0, 6), to: (3, 2.8, 8))])'
     for part, written in {
         "short": 'faces: {"short": "carpet"}',
         "short/floor": 'faces: {"short/floor": "carpet"}',
         "floor": 'walls: Walls(floor: "carpet")',
+        "3": 'faces: {"3": "carpet"}',
     }.items():
         scene = em.Scene.empty("L")
         scene.add_surface(boxes, material="plasterboard", name="room")

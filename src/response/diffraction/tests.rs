@@ -459,6 +459,7 @@ fn no_way_around_a_body_on_the_floor_is_louder_than_in_the_open() {
         heard += paths.len();
         for path in paths {
             let open = 1.0 / (4.0 * PI * path.length_m.powi(2));
+            assert!(path.energy.iter().all(|energy| energy.is_finite()));
             let most = path.energy.into_iter().fold(0.0, f64::max);
             let level_db = 10.0 * (most / open).log10();
             assert!(level_db < 6.0, "{level_db} dB, {number}: {body}, {ends:?}");

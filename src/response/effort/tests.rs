@@ -1,6 +1,7 @@
 use super::*;
 use crate::Scene;
 use crate::gl::{Context, ContextOptions};
+use crate::response::Echogram;
 use crate::response::figures::Need;
 use crate::tracer::Tracer;
 
@@ -287,4 +288,33 @@ fn the_note_names_the_limit_that_ended_the_rounds() {
     assert_eq!(finest.limit_of_waves(1000), Ended::Flights);
     let most = Ended::Waves(crate::tracer::Settings::MAX_WAVES);
     assert_eq!(finest.limit_of_waves(1), most);
+}
+
+/// Protects T30 where rooms are coupled: a band whose decay is known gets a longer record until T30 is defined, which
+/// needs −45 dB at the end. Bands with few arrivals and without sound do not decide.
+#[test]
+fn a_record_lasts_until_t30_is_defined() {
+    let echogram = Echogram::new(1e-3, 1).unwrap();
+    let mut figures = Figures::new(&[], &echogram, Some(0.0), 1.0);
+    figures.cut_off = [Some(1e-6); BAND_COUNT];
+    let mut energy = [1.0; BAND_COUNT];
+    assert!(!is_cut_off(&figures, &energy));
+    for (share, has_decay, is_longer) in [
+        (1e-5, true, false),
+        (1e-4, true, true),
+        (1e-4, false, false),
+        (2e-3, false, true),
+    ] {
+        figures.cut_off[2] = Some(share);
+        figures.bands[2].edt_s = has_decay.then_some(1.0);
+        assert_eq!(
+            is_cut_off(&figures, &energy),
+            is_longer,
+            "{share} {has_decay}"
+        );
+    }
+    figures.cut_off[2] = None;
+    assert!(is_cut_off(&figures, &energy));
+    energy[2] = 0.0;
+    assert!(!is_cut_off(&figures, &energy));
 }

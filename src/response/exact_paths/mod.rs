@@ -60,9 +60,14 @@ use crate::scene::{IntoPair, Pair, SceneError};
 use candidates::Follow;
 use check::EdgeStart;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use sheet::Sheet;
 use std::f64::consts::TAU;
 use surfaces::Surfaces;
+
+/// Maximum number of reflections in solids whose faces are searched, those with the shortest paths: four times as many as
+/// bend. A mesh may have thousands of faces.
+const MOST_IN_SOLIDS: usize = 128;
 
 /// The places on a face that may be seen: numbers of directions and of distances about its vertex, and the factor from one
 /// distance to the next.
@@ -224,9 +229,15 @@ impl EarlyPaths {
                 surface: *surface,
             })
         };
-        let all = planes.iter().filter_map(vertex);
-        let beside = all.filter(|vertex| !self.is_open(vertex.point));
-        beside.filter(|vertex| self.is_seen(vertex, ends)).collect()
+        let length_m = |vertex: &Vertex| {
+            ends.source.distance(vertex.point) + vertex.point.distance(ends.listener)
+        };
+        let mut all: Vec<Vertex> = planes.iter().filter_map(vertex).collect();
+        all.sort_by(|a, b| length_m(a).total_cmp(&length_m(b)));
+        let in_solids = all.into_iter().filter(|vertex| !self.is_open(vertex.point));
+        let nearest: Vec<Vertex> = in_solids.take(MOST_IN_SOLIDS).collect();
+        let seen = nearest.into_par_iter();
+        seen.filter(|vertex| self.is_seen(vertex, ends)).collect()
     }
 
     /// Whether the source or the listener sees the plane face of a vertex in a solid, within the distance between both.
