@@ -82,9 +82,11 @@ def test_parts_of_rooms_have_materials():
     }.items():
         scene = em.Scene.empty("L")
         scene.add_surface(boxes, material="plasterboard", name="room")
+        scene.add_source("talker", (6, 1.6, 1))
+        scene.add_listener("seat", (1, 1.2, 5))
         scene.set_material("room", "carpet", part=part)
-        flat = " ".join(scene.to_ron().split()).replace("{ ", "{").replace(", }", "}")
-        assert written in flat, flat
+        flat = "".join(scene.to_ron().split())
+        assert written.replace(" ", "") in flat.replace(",)", ")").replace(",}", "}"), flat
         with pytest.raises(em.SettingsError, match="has no part \"cellar\"; it has: "):
             scene.set_material("room", "carpet", part="cellar")
 
