@@ -9,7 +9,7 @@ use super::figures::{Demand, Figures, Growth, Parts, Record};
 use super::from_arrivals::Traced;
 use super::late::Onset;
 use super::source_sound::Medium;
-use super::{Response, ResponseSettings, taps_of_energy};
+use super::{ResponseSettings, taps_of_energy};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::Pair;
 use crate::tracer;

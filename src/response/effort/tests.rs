@@ -1,8 +1,8 @@
 use super::*;
 use crate::Scene;
 use crate::gl::{Context, ContextOptions};
-use crate::response::Echogram;
 use crate::response::figures::Need;
+use crate::response::{Echogram, Response};
 use crate::tracer::Tracer;
 
 const EFFORT: Effort = Effort {
