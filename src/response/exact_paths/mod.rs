@@ -217,14 +217,15 @@ impl EarlyPaths {
         let planes = self.surfaces.planes();
         let vertex = |(surface, sheet): &(u32, Sheet)| {
             let (normal, offset) = sheet.plane()?;
-            let heights = [ends.source, ends.listener].map(|end| end.dot(normal) - offset);
-            if heights.iter().any(|height| *height <= self.surfaces.touch) {
+            let touch = self.surfaces.touch;
+            let is_in_front = |end: DVec3| end.dot(normal) - offset > touch;
+            if !is_in_front(ends.source) || !is_in_front(ends.listener) {
                 return None;
             }
-            let share = heights[0] / (heights[0] + heights[1]);
             let image = fermat::image(ends.source, normal, offset);
+            let plane = (normal, offset);
             Some(Vertex {
-                point: image.lerp(ends.listener, share),
+                point: fermat::point_of_image(ends.listener, image, plane, touch)?,
                 normal,
                 surface: *surface,
             })
