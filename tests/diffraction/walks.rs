@@ -70,7 +70,9 @@ impl Walk {
             .expect("a response")
             .paths;
         let energy = |band: usize| paths.iter().map(|path| path.energy[band]).sum::<f64>();
-        std::array::from_fn(|band| 10.0 * energy(band).log10())
+        let levels: [f64; 8] = std::array::from_fn(|band| 10.0 * energy(band).log10());
+        assert!(levels.iter().all(|level| level.is_finite()), "{levels:?}");
+        levels
     }
 }
 
@@ -104,7 +106,7 @@ fn exact_step_db(near_m: f64) -> f64 {
     steps.fold(0.0, f64::max)
 }
 
-/// A room of this height in the shape of an L.
+/// A room in the shape of an L.
 fn corner() -> String {
     rooms(&[
         [[0.0, 0.0, 0.0], [6.0, 2.8, 3.0]],
