@@ -31,7 +31,7 @@ const BLOCK: usize = 512;
 /// Objects that are spawned in one run.
 const SPAWNED: usize = 20;
 
-/// What a run measures.
+/// The case that a run measures.
 #[derive(Clone, Copy)]
 struct Case {
     /// Number of moving sources.
