@@ -90,10 +90,10 @@ test_on() {
     run env "${with[@]}" "${units[@]}" "$@"
 }
 
-# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one test runs without Mesa's GL
-# thread; docs/portability.md explains the reasons. softpipe is slow, so only the smallest tests run there.
+# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other and without Mesa's driver thread, and
+# one test also runs without Mesa's GL thread; docs/portability.md explains the reasons. softpipe is slow, so only the smallest tests run there.
 check_other_implementations() {
-    local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
+    local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink GALLIUM_THREAD=0"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
     local threaded=gpu_drops_leave_the_context_of_others_current
     test_on zink "$zink" --test-threads=1 gl:: shader:: tracer:: --skip "$threaded"
