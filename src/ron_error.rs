@@ -148,6 +148,8 @@ fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
 struct Around<'a> {
     /// The field whose value is wrong, if the error is at the beginning of the value.
     field: Option<&'a str>,
+    /// The name of the part, if the error is at the beginning of its fields.
+    opened: Option<&'a str>,
     /// The word, number or text at the error.
     found: &'a str,
 }
@@ -159,14 +161,17 @@ impl<'a> Around<'a> {
         };
         let (before, behind) = text.split_at(at);
         let is_of_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '+');
-        let field = before.trim_end().strip_suffix(':').map(|named| {
-            let begin = named.rfind(|c: char| !is_of_word(c));
-            &named[begin.map_or(0, |at| at + 1)..]
-        });
+        let word_before = |sign: char| {
+            let named = before.trim_end().strip_suffix(sign)?;
+            let begin = named.char_indices().rfind(|(_, c)| !is_of_word(*c));
+            let word = &named[begin.map_or(0, |(at, c)| at + c.len_utf8())..];
+            (!word.is_empty()).then_some(word)
+        };
         let behind = behind.trim_start();
         let end = behind.find(|c: char| !is_of_word(c));
         Around {
-            field: field.filter(|name| !name.is_empty()),
+            field: word_before(':'),
+            opened: word_before('('),
             found: &behind[..end.unwrap_or(behind.len())],
         }
     }
@@ -210,7 +215,10 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
         }
         Error::InvalidIdentifier(_)
         | Error::SuggestRawIdentifier(_)
-        | Error::ExpectedIdentifier => "expected a name here".to_owned(),
+        | Error::ExpectedIdentifier => match around.opened {
+            Some(part) => format!("expected a field with its name here: {part}(field: value)"),
+            None => "expected a name here".to_owned(),
+        },
         Error::ExpectedDifferentLength { expected, found } => {
             let wanted: String = expected.chars().filter(char::is_ascii_digit).collect();
             if wanted.is_empty() {
@@ -303,6 +311,10 @@ mod tests {
             (
                 "sources: Source()",
                 "sources must be a list in brackets: sources: [Source(…)]",
+            ),
+            (
+                "source: Source((0, -1, 0))",
+                "expected a field with its name here: Source(field: value)",
             ),
             ("name: 12", "name must be a text in quotes: name: \"12\""),
             (

@@ -184,6 +184,17 @@ impl Scene {
         Ok(())
     }
 
+    /// Refuses the name of a material that is neither added nor built in, with the message of the scene reader.
+    /// `origin` is the user of the material in errors.
+    fn check_material(&self, name: &str, origin: &str) -> PyResult<()> {
+        if self.inner.material_named(name).is_some() {
+            return Ok(());
+        }
+        let surface = format!("surfaces: [Surface(shape: Plane, material: {name:?})]");
+        let all = [surface.as_str(), ANY_SOURCE, ANY_LISTENER];
+        parts(&all, origin, Path::new("")).map(drop)
+    }
+
     /// Gives a surface, or one of its walls or groups of faces, the material of this name.
     fn set_material(&mut self, surface: &str, part: Option<&str>, material: &str) -> PyResult<()> {
         let index = self.surface(surface)?;
@@ -282,21 +293,19 @@ impl Scene {
         warnings.iter().map(ToString::to_string).collect()
     }
 
-    /// Sentences about the source with this index and the listeners with these indices if they are in a solid.
-    fn in_solid(&self, source: usize, listeners: Vec<usize>) -> Vec<String> {
+    /// The warnings of the scene that concern responses of the source and the listeners with these indices.
+    fn warnings_of_pairs(&self, source: usize, listeners: Vec<usize>) -> Vec<String> {
         let mut scene = self.inner.clone();
         let sources = self.inner.sources.get(source).cloned();
         scene.sources = sources.into_iter().collect();
         let of = |index: &usize| self.inner.listeners.get(*index).cloned();
         scene.listeners = listeners.iter().filter_map(of).collect();
-        let is_in_solid = |warning: &Warning| {
-            matches!(
-                warning,
-                Warning::SourceInsideSurface { .. } | Warning::ListenerInsideSurface { .. }
-            )
-        };
-        let warnings = scene.warnings().into_iter().filter(is_in_solid);
-        warnings.map(|warning| warning.to_string()).collect()
+        // Waves that start within a listener's sphere are lost to frames only.
+        let is_of_frames =
+            |warning: &Warning| matches!(warning, Warning::SourceInsideListener { .. });
+        let warnings = scene.warnings().into_iter();
+        let kept = warnings.filter(|warning| !is_of_frames(warning));
+        kept.map(|warning| warning.to_string()).collect()
     }
 
     /// The text of a scene file.

@@ -226,6 +226,14 @@ def test_missing_figures_and_odd_places_are_reported():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         em.response(room, listener="seat", waves=64, seconds=0.2)
+        close = room.copy()
+        close.add_listener("close", (-2, 0, -1.4))
+        em.response(close, listener="close", waves=64, seconds=0.2)
+    bare = em.Scene.shoebox((8, 3, 5), {"floor": "carpet"})
+    bare.add_source("talker", (-2, 0, -1.5))
+    bare.add_listener("seat", (2, -0.3, 1.4))
+    with pytest.warns(UserWarning, match="1/left, 1/right, 1/ceiling.* have no material"):
+        em.response(bare, waves=64, seconds=0.2)
 
 
 def test_lost_waves_are_warnings():

@@ -127,8 +127,9 @@ def response(
     Warns
     -----
     UserWarning
-        If the source or the listener is in a solid; if waves were lost, or not followed to the end of the record, so that
-        figures may be wrong. :attr:`Response.notes` has all remarks, also on missing figures.
+        The warnings of the scene, for example a source or a listener in a solid, or walls without a material; if waves
+        were lost, or not followed to the end of the record, so that figures may be wrong. :attr:`Response.notes` has
+        all remarks, also on missing figures.
 
     Raises
     ------
@@ -153,7 +154,7 @@ def response(
     )
     source_index, listener_index = chosen_pair(scene, source, listener)
     show = _progress.of_rounds(progress, scene.name)
-    warn(scene._raw.in_solid(source_index, [listener_index]))
+    warn(scene._raw.warnings_of_pairs(source_index, [listener_index]))
     found = traced(scene, source_index, [listener_index], given, show)[0]
     warn(found._heard.warnings())
     return found
@@ -417,7 +418,7 @@ class Response:
         for band, hertz in enumerate(BANDS_HZ):
             ax.plot(times, levels[:, band], label=f"{hertz:g} Hz")
         ax.set(xlabel="time after the impulse in s", ylabel="level of later energy in dB", ylim=(-60.0, 1.0))
-        ax.set_title(f"{self.scene}: {self.source} at {self.listener}")
+        ax.set_title(": ".join(filter(None, (self.scene, f"{self.source} at {self.listener}"))))
         ax.legend(fontsize="small")
         return ax
 

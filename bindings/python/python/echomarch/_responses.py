@@ -69,7 +69,7 @@ def responses(
     chosen = [item if isinstance(item, tuple) else (item, None, None) for item in items]
     groups = _groups(chosen)
     for group in groups:
-        warn(group.scene._raw.in_solid(group.source, group.listeners))
+        warn(group.scene._raw.warnings_of_pairs(group.source, group.listeners))
     done = _Done(progress, len(chosen))
     if workers > 1 and len(groups) > 1:
         tasks = [("responses", group.scene, group.source, group.listeners, given) for group in groups]

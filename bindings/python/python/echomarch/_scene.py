@@ -26,6 +26,11 @@ _PLACE = "coordinates in m"
 _ANGLE = "an angle in degrees"
 
 
+def _as_given(place: List[float]) -> List[float]:
+    """Return numbers of 32 bits as the shortest decimal numbers that stand for them: 1.6 for 1.600000023841858."""
+    return [float(str(np.float32(each))) for each in place]
+
+
 def _quoted(name: str) -> str:
     """Return a name in the notation of scene files, after a check."""
     escaped = _arguments.text("name", "a text", name).replace("\\", "\\\\").replace('"', '\\"')
@@ -131,8 +136,8 @@ class Scene:
             ``axes="pyfar"``.
         absorption : float, 8 floats, str, Material, or dict
             Absorption of all walls (one number, or one for each octave band from 63 Hz to 8 kHz), the name of a
-            built-in material, or these by wall: ``{"floor": "carpet", "ceiling": 0.6}``. A wall that the dictionary does not name
-            reflects all sound. The walls are left, right, floor, ceiling, front (−z) and back.
+            built-in material, or these by wall: ``{"floor": "carpet", "ceiling": 0.6}``. A wall that the dictionary does
+            not name reflects all sound, and responses warn of it. The walls are left, right, floor, ceiling, front (−z) and back.
         scattering : float or 8 floats
             Share of the reflected energy that is scattered, for materials that state none.
 
@@ -310,7 +315,9 @@ class Scene:
             A wall of a room ("floor"), a box of rooms ("hall") or one of its walls ("hall/floor"), or a group of faces
             of a mesh.
         """
-        if not isinstance(material, str):
+        if isinstance(material, str):
+            self._raw.check_material(material, f"the surface {surface}")
+        else:
             name = surface if part is None else f"{surface}/{part}"
             self._raw.copy().set_material(surface, part, name)
             self.add_material(name, material)
@@ -513,7 +520,7 @@ class Scene:
         return self._shown(self._raw.listeners())
 
     def _shown(self, places: List[Tuple[str, List[float]]]) -> Dict[str, Tuple[float, float, float]]:
-        return {label: tuple(_axes.shown_in(self._axes, place).tolist()) for label, place in places}  # type: ignore[misc]
+        return {label: tuple(_axes.shown_in(self._axes, _as_given(place)).tolist()) for label, place in places}  # type: ignore[misc]
 
     @property
     def speed_of_sound(self) -> float:
