@@ -349,7 +349,7 @@ impl fmt::Display for Warning {
                 radius,
             } => write!(
                 f,
-                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: each wave of a frame ends at its start, so the frame has no left-right balance"
+                "{source} is {distance} m from the centre of {listener}, inside its sphere of {radius} m: each wave of a frame ends at its start, so the frame has no left-right balance"
             ),
             Warning::ListenerInsideSurface {
                 listener,
@@ -358,7 +358,7 @@ impl fmt::Display for Warning {
             } => {
                 write!(
                     f,
-                    "{listener}'s centre is {} m inside {surface}: few waves reach it, and no exact path",
+                    "the centre of {listener} is {} m inside {surface}: few waves reach it, and no exact path",
                     to_millimetres(*depth)
                 )
             }

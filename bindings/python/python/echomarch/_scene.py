@@ -520,7 +520,7 @@ class Scene:
         return self._shown(self._raw.listeners())
 
     def _shown(self, places: List[Tuple[str, List[float]]]) -> Dict[str, Tuple[float, float, float]]:
-        return {label: tuple(_axes.shown_in(self._axes, _as_given(place)).tolist()) for label, place in places}  # type: ignore[misc]
+        return {label: tuple(_axes.shown_in(self._axes, _as_given(place)).tolist()) for label, place in places}
 
     @property
     def speed_of_sound(self) -> float:
