@@ -158,6 +158,10 @@ check_page_and_site() {
 }
 
 check_tutorials() {
+    # A tutorial plots.
+    if ! "$python" -m pip install --quiet --disable-pip-version-check "$(only 'echomarch-*.whl')[plot]"; then
+        fail "matplotlib cannot be installed"
+    fi
     PATH="$program:$PATH" run python3 scripts/site/run_commands.py --in "$scratch/tutorials" --python "$python" \
         docs/site/python.md docs/site/program.md
 }
