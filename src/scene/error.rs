@@ -293,7 +293,7 @@ pub enum Warning {
     /// Surfaces and walls without a material, in a scene in which others have one. They reflect all sound, which
     /// lengthens decays.
     NoMaterial {
-        /// Labels of the surfaces and walls: `1/floor`, `surface 2 (Sphere)`.
+        /// Labels of the surfaces and walls: `room/floor`, `surface 2 (Sphere)`.
         surfaces: Vec<String>,
     },
     /// A user's field or a grid that is solid at all samples in its box, or air at all samples.

@@ -139,6 +139,17 @@ impl Surface {
         }
     }
 
+    /// The short name of the surface with this index (from 0), or of one of its parts: `room`, `room/floor`. A surface
+    /// without a name has its number from 1: `2/floor`.
+    #[doc(hidden)]
+    pub fn short_label(&self, index: usize, part: Option<usize>) -> String {
+        let name = self.name.clone().unwrap_or((index + 1).to_string());
+        match part.and_then(|part| self.part_name(part)) {
+            Some(part) => format!("{name}/{part}"),
+            None => name,
+        }
+    }
+
     /// The name of a wall's material. A wall without its own material has the material of the surface.
     pub(super) fn material_name(&self, wall: Option<usize>) -> Option<&str> {
         let of_wall = wall.and_then(|wall| match (self.rooms(), self.group_name(wall)) {

@@ -206,22 +206,9 @@ fn axes([forward, up]: [DVec3; 2]) -> PyResult<ListenerAxes> {
 
 /// The names of the surfaces on each path, with the walls of rooms and the groups of meshes.
 fn names(scene: &echomarch::Scene, response: &Response) -> Vec<Vec<String>> {
-    let of_path = |path: &echomarch::response::SpecularPath| {
-        let met = path.surfaces.iter().zip(&path.walls);
-        met.map(|(number, wall)| {
-            let surface = scene.surfaces.get(*number as usize - 1);
-            let name = surface.and_then(|surface| surface.name.clone());
-            let name = name.unwrap_or_else(|| number.to_string());
-            let part = wall.and_then(|wall| surface?.part_name(usize::from(wall)));
-            part.map_or(name.clone(), |part| format!("{name}/{part}"))
-        })
-        .collect()
-    };
-    response
-        .paths
-        .iter()
-        .map(|heard| of_path(&heard.path))
-        .collect()
+    let paths = response.paths.iter();
+    let of_path = paths.map(|heard| heard.path.surface_labels(scene));
+    of_path.collect()
 }
 
 /// A missing number as NaN.

@@ -232,7 +232,7 @@ def test_missing_figures_and_odd_places_are_reported():
     bare = em.Scene.shoebox((8, 3, 5), {"floor": "carpet"})
     bare.add_source("talker", (-2, 0, -1.5))
     bare.add_listener("seat", (2, -0.3, 1.4))
-    with pytest.warns(UserWarning, match="1/left, 1/right, 1/ceiling.* have no material"):
+    with pytest.warns(UserWarning, match="room/left, room/right, room/ceiling.* have no material"):
         em.response(bare, waves=64, seconds=0.2)
 
 

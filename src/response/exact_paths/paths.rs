@@ -25,6 +25,7 @@
 //! order of the waves.
 
 use super::sheet::Sheet;
+use crate::scene::Scene;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
@@ -74,6 +75,23 @@ pub struct SpecularPath {
     pub found_by: u32,
     /// Whether the path was also searched for, and is thus known regardless of the waves.
     pub is_searched: bool,
+}
+
+impl SpecularPath {
+    /// Short names of the surfaces in the order of the path, with the wall of a room or the group of a mesh:
+    /// `room/floor`. A surface without a name has its number. `scene` is the scene of the response.
+    pub fn surface_labels(&self, scene: &Scene) -> Vec<String> {
+        let met = self.surfaces.iter().zip(&self.walls);
+        let label = |(number, wall): (&u32, &Option<u8>)| {
+            let index = (*number as usize).checked_sub(1);
+            let surface = index.and_then(|index| Some((index, scene.surfaces.get(index)?)));
+            match surface {
+                Some((index, surface)) => surface.short_label(index, wall.map(usize::from)),
+                None => number.to_string(),
+            }
+        };
+        met.map(label).collect()
+    }
 }
 
 /// A stationary path whose checks are not yet complete.

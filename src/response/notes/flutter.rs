@@ -3,17 +3,21 @@
 use crate::bands::BANDS_HZ;
 use crate::response::Response;
 use crate::response::diagnosis::{Flutter, flutters};
-use crate::scene::Scene;
-use crate::scene::shape::Room;
+use crate::scene::{Scene, Surface};
 
 /// Returns a sentence for each pair of walls that causes a flutter echo.
 pub(super) fn sentences(scene: &Scene, response: &Response) -> Vec<String> {
     let t30_s = response.figures.bands.map(|band| band.t30_s);
     let found = flutters(scene, t30_s);
-    found.iter().map(sentence).collect()
+    let Some(room) = scene.surfaces.first() else {
+        return Vec::new();
+    };
+    let of = |flutter: &Flutter| sentence(room, flutter);
+    found.iter().map(of).collect()
 }
 
-fn sentence(flutter: &Flutter) -> String {
+/// The sentence about a flutter echo in a room, the first surface of its scene.
+fn sentence(room: &Surface, flutter: &Flutter) -> String {
     let figures = flutter.bands.iter().map(|of| {
         let hertz = BANDS_HZ[of.band];
         format!(
@@ -22,13 +26,13 @@ fn sentence(flutter: &Flutter) -> String {
         )
     });
     let figures: Vec<String> = figures.collect();
-    let [one, other] = flutter.walls.map(|wall| Room::WALL_NAMES[wall]);
+    let [one, other] = flutter.walls.map(|wall| room.short_label(0, Some(wall)));
     let scatters = match flutter.nothing_scatters {
         true => "nothing scatters: give the scene a scattering, such as 0.1",
         false => "too little scatters: give the walls more scattering",
     };
     format!(
-        "T30 is more than 1.5 times Eyring's ({}): flutter echo between 1/{one} and 1/{other}; {scatters} (docs/scene-format.md)",
+        "T30 is more than 1.5 times Eyring's ({}): flutter echo between {one} and {other}; {scatters} (docs/scene-format.md)",
         figures.join(", ")
     )
 }

@@ -129,10 +129,10 @@ fn cause(withheld: Option<Withheld>, factor: f64, most: f64) -> String {
     };
     match factor.is_finite() {
         true if factor.max(LEAST_FACTOR) > most => {
-            format!("{cause}; takes more waves than can be traced")
+            format!("{cause}; needs more waves than can be traced")
         }
         true => format!(
-            "{cause}; takes {:.1} times the waves",
+            "{cause}; needs {:.1} times as many waves",
             factor.max(LEAST_FACTOR)
         ),
         false => format!("{cause}; no wave arrives after the end of the decay"),
@@ -300,12 +300,12 @@ mod tests {
         let within = cause(few, 400.0, 500.0);
         assert_eq!(
             within,
-            "1 of 500 late arrivals; takes 400.0 times the waves"
+            "1 of 500 late arrivals; needs 400.0 times as many waves"
         );
         let beyond = cause(few, 501.0, 500.0);
         assert_eq!(
             beyond,
-            "1 of 500 late arrivals; takes more waves than can be traced"
+            "1 of 500 late arrivals; needs more waves than can be traced"
         );
     }
 

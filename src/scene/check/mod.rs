@@ -540,9 +540,10 @@ impl Scene {
                 parts.is_empty() && lacks(None) || !parts.is_empty() && walls.len() == parts.len();
             match is_whole {
                 true => surfaces.push(surface.label(index)),
-                false => surfaces.extend(walls.iter().filter_map(|wall| {
-                    Some(format!("{}/{}", index + 1, surface.part_name(*wall)?))
-                })),
+                false => {
+                    let label = |wall: &usize| surface.short_label(index, Some(*wall));
+                    surfaces.extend(walls.iter().map(label));
+                }
             }
         }
         (!surfaces.is_empty()).then_some(Warning::NoMaterial { surfaces })

@@ -301,14 +301,13 @@ fn time(time_s: Option<f64>, error_s: Option<f64>) -> Cell {
 fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     let shown = response.paths.iter().take(PATHS_IN_TEXT);
     for path in shown {
+        let labels = path.path.surface_labels(scene);
         let over = match path.kind {
             PathKind::Direct => "direct".to_owned(),
-            PathKind::Diffracted => diffracted(&surfaces(scene, path), &path.reflections),
-            PathKind::Transmitted => {
-                format!("transmitted through {}", surfaces(scene, path).join(", "))
-            }
+            PathKind::Diffracted => diffracted(&labels, &path.reflections),
+            PathKind::Transmitted => format!("transmitted through {}", labels.join(", ")),
             PathKind::Added => "added up to the least level".to_owned(),
-            _ => format!("over {}", surfaces(scene, path).join(", ")),
+            _ => format!("over {}", labels.join(", ")),
         };
         let strength = mean_strength_db(path);
         print::line(&format!(
@@ -343,19 +342,4 @@ fn diffracted(surfaces: &[String], reflections: &[usize]) -> String {
             names(reflecting)
         ),
     }
-}
-
-/// The surfaces that reflect, diffract or transmit a path, by name or number, and the walls of rooms.
-fn surfaces(scene: &Scene, path: &HeardPath) -> Vec<String> {
-    let surfaces = path.path.surfaces.iter().zip(wall_names(scene, path));
-    let name = |(number, wall): (&u32, Option<&str>)| {
-        let surface = scene.surfaces.get(*number as usize - 1);
-        let name = surface.and_then(|surface| surface.name.clone());
-        let name = name.unwrap_or_else(|| number.to_string());
-        match wall {
-            Some(wall) => format!("{name}/{wall}"),
-            None => name,
-        }
-    };
-    surfaces.map(name).collect()
 }

@@ -340,7 +340,7 @@ fn figures_have_the_accuracy_that_was_asked_for() {
     let late = json(&["impulse", file, "--accuracy", "1%", "--waves", "1024"]);
     assert_eq!(late["pairs"][0]["waves"], 1024);
     let notes = late["pairs"][0]["notes"].to_string();
-    assert!(notes.contains("times the waves"), "{notes}");
+    assert!(notes.contains("times as many waves"), "{notes}");
     assert!(waves > 1024 && waves < 1 << 20, "{waves}");
 }
 
