@@ -126,6 +126,15 @@ fn is_unclosed(text: &str) -> bool {
             '"' => is_quoted = !is_quoted,
             _ if is_quoted => {}
             '/' if chars.peek() == Some(&'/') => drop(chars.find(|c| *c == '\n')),
+            '/' if chars.peek() == Some(&'*') => {
+                let mut before = ' ';
+                for next in chars.by_ref() {
+                    if (before, next) == ('*', '/') {
+                        break;
+                    }
+                    before = next;
+                }
+            }
             '(' | '[' | '{' => depth += 1,
             ')' | ']' | '}' => depth -= 1,
             _ => {}
@@ -355,6 +364,7 @@ mod tests {
                 false,
             ),
             ("Scene(name: \"(\", colour: 1)", false),
+            ("Scene(/* ( [ */ colour: 1)", false),
         ] {
             let said = told(text);
             assert!(said.contains("there is no field"), "{said}");
