@@ -119,7 +119,10 @@ impl Ways {
                 Some(way) => way.own.push(own),
                 None => {
                     let bend = bend.clone().with_brinks(space);
-                    let way = Way::of(space, planes, &strings, bend, own, wide_m);
+                    let way = Way {
+                        growth_m: growth_m(space, planes, &bend),
+                        ..Way::of(space, planes, &strings, bend, own, wide_m)
+                    };
                     bends.push(way.with_other_side(space, planes, (&basin, &detours)));
                 }
             }
@@ -251,6 +254,7 @@ impl Ways {
 }
 
 impl Way {
+    /// A way whose length grows beside it as its ray tube does.
     fn of(
         space: &impl Space,
         planes: &HalfPlanes,
@@ -270,11 +274,6 @@ impl Way {
             let length = bend.length_over_lines(planes, azimuth);
             Some(length.filter(|_| are_parallel)? - apart_m)
         });
-        // Edges have no focus.
-        let growth_m = match bend.is_sharp() {
-            true => 0.0,
-            false => growth_m(space, planes, &bend),
-        };
         let (edge_growth_m, width, closed) = match bend.turns[..] {
             [turn] => {
                 let arc = bend.arc(0);
@@ -285,15 +284,16 @@ impl Way {
             _ => (detour_m, 1.0, 0.0),
         };
         let spread = (bend.length_m / apart_m).powf(2.0 * closed);
+        let tube_growth_m = edge_growth_m * width * spread;
         Way {
             own: vec![own],
             arcs,
             lines: all_samples(&lines),
             endless_m: are_parallel.then(|| bend.length_over_endless_lines() - apart_m),
             wide_m,
-            growth_m,
+            growth_m: tube_growth_m,
             edge_growth_m,
-            tube_growth_m: edge_growth_m * width * spread,
+            tube_growth_m,
             closed,
             opposite: None,
             are_heard: [true; 2],
@@ -313,11 +313,7 @@ impl Way {
         let bend = Bend::of(space, planes, longest as f64 * STEP)?;
         let own = basin.samples(detours);
         let way = Way::of(space, planes, strings, bend, own, wide_m);
-        let is_round = way.closed > 0.0;
-        is_round.then_some(Way {
-            growth_m: way.tube_growth_m,
-            ..way
-        })
+        (way.closed > 0.0).then_some(way)
     }
 
     /// Adds the way around the other side, if the strings of its basin become longer up to a single one there.
@@ -431,8 +427,11 @@ impl Way {
 
 /// Growth of the length of a way with the square of the tangent of the azimuth in metres, from the strings beside it. If a
 /// string beside the way touches another body, or leads over an edge, it is much longer: the growth then depends on the
-/// turn, and the least one counts.
+/// turn, and the least one counts. 0 for edges, which have no focus.
 fn growth_m(space: &impl Space, planes: &HalfPlanes, bend: &Bend) -> f64 {
+    if bend.is_sharp() {
+        return 0.0;
+    }
     let beside = |turn: f64| {
         let string = planes.string(space, bend.azimuth + turn)?;
         Some((string.length_m() - bend.length_m) / turn.tan().powi(2))
