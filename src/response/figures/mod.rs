@@ -257,6 +257,14 @@ fn lists(
     let mut ends_s = [[0.0; DECAY_TIMES]; BAND_COUNT];
     let mut cut_off = [None; BAND_COUNT];
     for band in 0..BAND_COUNT {
+        // Bands in which nothing differs, as those of a room with one absorption, have the same figures.
+        if let Some(same) = band
+            .checked_sub(1)
+            .filter(|before| is_equal(pieces, [*before, band]))
+        {
+            (lists[band], ends_s[band], cut_off[band]) = (lists[same], ends_s[same], cut_off[same]);
+            continue;
+        }
         let Some(decay) = Decay::new(pieces, band, bin_s) else {
             continue;
         };
@@ -264,6 +272,12 @@ fn lists(
         cut_off[band] = Some(decay.tail_share());
     }
     (lists, ends_s, cut_off)
+}
+
+/// Whether two bands have the same energy in all pieces.
+fn is_equal(pieces: &[Piece], [one, other]: [usize; 2]) -> bool {
+    let mut all = pieces.iter();
+    all.all(|piece| piece.energy[one] == piece.energy[other])
 }
 
 impl Figures {
