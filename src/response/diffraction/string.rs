@@ -231,7 +231,7 @@ impl HalfPlanes {
 
     /// The taut string in one half-plane; `None` if no tent up to the greatest height is free.
     pub fn string(&self, space: &impl Space, azimuth: f64) -> Option<TautString> {
-        self.string_within(space, azimuth, FINE, &FURTHER_FEET)
+        self.string_within(space, azimuth, FINE, (&FURTHER_FEET, true))
     }
 
     fn string_within(
@@ -239,13 +239,14 @@ impl HalfPlanes {
         space: &impl Space,
         azimuth: f64,
         error: f64,
-        feet: &[f64],
+        (feet, seeks_corners): (&[f64], bool),
     ) -> Option<TautString> {
         let plane = Plane {
             space,
             up: self.upwards(azimuth),
             error,
             feet,
+            seeks_corners,
         };
         let mut contacts = match self.beside {
             Some((_, most_m)) => self.contacts_beside(&plane, most_m)?,
@@ -310,16 +311,20 @@ impl HalfPlanes {
 
     /// The strings in evenly spread half-planes, from azimuth 0.
     pub fn strings(&self, space: &impl Space) -> Vec<Option<TautString>> {
-        let all = |feet: &[f64]| -> Vec<Option<TautString>> {
+        let all = |feet: &[f64], seeks_corners: bool| -> Vec<Option<TautString>> {
             let string = |index: usize| {
-                let string = || self.string_within(space, index as f64 * STEP, COARSE, feet);
+                let azimuth = index as f64 * STEP;
+                let string = || self.string_within(space, azimuth, COARSE, (feet, seeks_corners));
                 self.is_sought(index).then(string).flatten()
             };
             (0..HALF_PLANES).map(string).collect()
         };
-        let mut strings = all(&[]);
+        let mut strings = all(&[], false);
         if strings.iter().all(Option::is_none) {
-            strings = all(&FURTHER_FEET);
+            strings = all(&FURTHER_FEET, false);
+        }
+        if strings.iter().all(Option::is_none) {
+            strings = all(&[], true);
         }
         self.continue_beside(space, &mut strings);
         strings
@@ -345,7 +350,8 @@ impl HalfPlanes {
                         .first()
                         .map(|contact| self.share(contact.point));
                     let azimuth = next as f64 * STEP;
-                    strings[next] = self.string_within(space, azimuth, COARSE, feet.as_slice());
+                    strings[next] =
+                        self.string_within(space, azimuth, COARSE, (feet.as_slice(), false));
                     index = next;
                 }
             }
@@ -391,6 +397,7 @@ impl HalfPlanes {
             up: self.upwards(azimuth),
             error: FINE,
             feet: &[],
+            seeks_corners: false,
         };
         let (foot, rise) = match above.map(TautString::highest) {
             Some(contact) => {

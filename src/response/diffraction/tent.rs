@@ -5,6 +5,7 @@ use super::profile::Profile;
 use super::space::Space;
 use super::turn::Contact;
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// First height of a tent, as a share of the distance between its ends.
 pub(super) const LOWEST: f64 = 0.01;
@@ -15,6 +16,21 @@ const HIGHEST: f64 = 4.0;
 /// Factor between the heights that are tried: an opening between two obstacles is found if its farther rim is that much
 /// farther from the line than the nearer one.
 const RAISED: f64 = 1.25;
+
+/// Directions in half a turn in which an end looks for a corner.
+const SIGHTS: u32 = 32;
+
+/// Ratio of two depths of sight at which there is a corner between both.
+const DEEPER: f64 = 1.02;
+
+/// Depth up to which corners are sought, as a share of the distance between the ends.
+const DEEPEST: f64 = 4.0;
+
+/// Halvings of the angle between two directions in search of a corner: 1e-5 rad remain.
+const CORNER_STEPS: u32 = 14;
+
+/// Places beyond a corner at which a tent has its apex, as shares of the depth of sight behind it.
+const BEYOND_CORNER: [f64; 4] = [0.001, 0.1, 0.4, 0.8];
 
 /// Contacts nearer to each other than this share of the distance between the ends, times the square root of the error,
 /// are one contact: a leg that dips into a smooth solid by the error is in it for a length that grows with the root.
@@ -41,6 +57,8 @@ pub(super) struct Plane<'a, S> {
     /// Feet of tents that are tried where no tent over the middle of the solid is free, as shares of the distance between
     /// its ends.
     pub feet: &'a [f64],
+    /// Whether a tent over a corner that both ends see is tried where no tent over these feet is free.
+    pub seeks_corners: bool,
 }
 
 impl<S: Space> Plane<'_, S> {
@@ -75,7 +93,15 @@ impl<S: Space> Plane<'_, S> {
         };
         let first =
             |foot: &f64| Some((*foot, first_free(blocked, |height| is_free(*foot, height))?));
-        let (foot, (blocked, free)) = feet.iter().find_map(first)?;
+        let over_corner = || {
+            let apex = self.over_corner([a, b], up)? - a;
+            Some((apex.dot(along) / length, (blocked, apex.dot(up) / length)))
+        };
+        let is_open = |(_, (blocked, free)): &(f64, (f64, f64))| blocked < free;
+        let (foot, (blocked, free)) = feet
+            .iter()
+            .find_map(first)
+            .or_else(|| over_corner().filter(is_open))?;
         let is_free = |height: f64| is_free(foot, height);
         let apex = |height: f64| apex(foot, height);
         let (blocked, free) = bisect(blocked, free, self.error, is_free);
@@ -113,6 +139,59 @@ impl<S: Space> Plane<'_, S> {
         found.push(Contact::at(last));
         follow_ends(&mut found);
         Some(found)
+    }
+
+    /// A point that both ends see, just beyond a corner at which the sight of one of them becomes deeper; `None` if there is
+    /// none, or if no corners are sought. In a narrow corridor only tents over its inner corner are free.
+    fn over_corner(&self, [a, b]: [DVec3; 2], up: DVec3) -> Option<DVec3> {
+        if !self.seeks_corners {
+            return None;
+        }
+        [(a, b), (b, a)]
+            .into_iter()
+            .find_map(|(from, other)| self.over_corner_seen_from(from, other, up))
+    }
+
+    /// The point beyond the first corner that `a` sees, counted from the direction of `b` on.
+    fn over_corner_seen_from(&self, a: DVec3, b: DVec3, up: DVec3) -> Option<DVec3> {
+        let towards = (b - a).normalize_or_zero();
+        let most_m = DEEPEST * a.distance(b);
+        let direction = |angle: f64| towards * angle.cos() + up * angle.sin();
+        let depth_m = |angle: f64| {
+            let obstacle = self.space.first(a, direction(angle), most_m);
+            obstacle.map_or(most_m, |obstacle| obstacle.metres)
+        };
+        let mut below = (0.0, depth_m(0.0));
+        for index in 1..=SIGHTS {
+            let above = PI * f64::from(index) / f64::from(SIGHTS);
+            let above = (above, depth_m(above));
+            let mut corner = (below, above);
+            below = above;
+            for _ in 0..CORNER_STEPS {
+                let (low, high) = corner;
+                if high.1 < low.1 * DEEPER {
+                    break;
+                }
+                let middle = 0.5 * (low.0 + high.0);
+                let middle = (middle, depth_m(middle));
+                // The part in which the depth grows more.
+                corner = match middle.1 * middle.1 > low.1 * high.1 {
+                    true => (low, middle),
+                    false => (middle, high),
+                };
+            }
+            let (low, high) = corner;
+            if high.1 < low.1 * DEEPER {
+                continue;
+            }
+            let apex = |share: f64| a + direction(high.0) * (low.1 + (high.1 - low.1) * share);
+            let apexes = BEYOND_CORNER.into_iter().map(apex);
+            let free = |apex: &DVec3| self.space.is_free(a, *apex) && self.space.is_free(b, *apex);
+            if let Some(apex) = apexes.into_iter().find(free) {
+                return Some(apex);
+            }
+        }
+        None
     }
 
     /// The contacts of the string from `a`, whose leg to `top` is free but whose leg to `low` is not, to `b`: the apex

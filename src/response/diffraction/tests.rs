@@ -4,7 +4,7 @@ use super::space::Space;
 use super::string::HalfPlanes;
 use super::ways::{Way, Ways};
 use super::wedge::{Wedge, shadow_function};
-use super::{Ends, Reflection, around, beside, intercepted, within_faces};
+use super::{DiffractedPath, Ends, Reflection, around, beside, intercepted, within_faces};
 use crate::Scene;
 use crate::geometry::ExactScene;
 use crate::sampling::Random;
@@ -466,4 +466,22 @@ fn no_way_around_a_body_on_the_floor_is_louder_than_in_the_open() {
         }
     }
     assert!(heard > 100, "{heard}");
+}
+
+/// Protects the way round the corner of a narrow corridor from floor to ceiling: only tents close to the corner are free.
+#[test]
+fn a_way_leads_round_the_corner_of_a_narrow_corridor() {
+    for (width, apart) in [(2.0, 3.0), (2.0, 1.5), (1.2, 4.0), (0.6, 2.0)] {
+        let half = 0.5 * width;
+        let ends = (DVec3::new(-8.0, 1.5, -half), DVec3::new(half, 1.5, apart));
+        let rooms = format!(
+            "Surface(shape: Rooms(of: [(from: (-12, 0, -{width}), to: ({width}, 2.5, 0)), \
+             (from: (0, 0, 0), to: ({width}, 2.5, 10))]))"
+        );
+        let corner = DVec3::new(0.0, 1.5, 0.0);
+        let length_m = ends.0.distance(corner) + ends.1.distance(corner);
+        let paths = around(&exact(&rooms, ends), ends, SPEED, |_| [1.0; 8]);
+        let is_there = |path: &DiffractedPath| (path.length_m - length_m).abs() < 1e-4;
+        assert!(paths.iter().any(is_there), "{width} m: {paths:?}");
+    }
 }
