@@ -276,6 +276,9 @@ class Scene:
         else:
             place = self._place("the position of a surface", position)
         label = name if name is not None else str(len(self.surfaces) + 1)
+        # A wrong material leaves the scene as it was.
+        if isinstance(material, str):
+            self._raw.check_material(material, f"the surface {label}")
         fields = [
             f"shape: {_arguments.text('shape', 'a text in the notation of scene files', shape)}",
             f"position: {_vector('the position of a surface', _PLACE, place)}",
