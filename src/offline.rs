@@ -257,7 +257,9 @@ pub fn render_full<E: From<Error>>(
     let (longest, blocks) = timing.blocks()?;
     let seconds = settings.tail_s(tracer, scene)?;
     let settings = settings.clone().with_tail(seconds);
-    let spec = Spec::of(scene, Sound::SAMPLE_RATE).with_longest(seconds);
+    let spec = Spec::of(scene, Sound::SAMPLE_RATE)
+        .with_diffraction(settings.response.diffraction)
+        .with_longest(seconds);
     let mut sources: Vec<Playing> = sounds
         .iter_mut()
         .map(|sound| Playing::new(sound, spec))

@@ -118,6 +118,14 @@ impl Spec {
         }
     }
 
+    /// Splits the sound into octave bands if it bends around obstacles (`diffraction`): they dull it, even if no material
+    /// changes the timbre.
+    #[must_use]
+    pub fn with_diffraction(mut self, diffraction: bool) -> Spec {
+        self.has_bands |= diffraction;
+        self
+    }
+
     /// Sets the length of the longest response, in seconds.
     #[must_use]
     pub fn with_longest(mut self, seconds: f64) -> Spec {

@@ -355,11 +355,13 @@ impl Scene {
         materials.any(|material| material.scatters(0..BAND_COUNT))
     }
 
-    /// Whether a material, the air or a directivity changes the timbre. Otherwise all octave bands are equal.
+    /// Whether a material, a solid that transmits sound, the air or a directivity changes the timbre. Otherwise all octave
+    /// bands are equal, except for sound that bends around obstacles.
     pub fn has_bands(&self) -> bool {
+        let changes = |material: Material| !material.is_grey() || material.transmission.is_some();
         let mut sources = self.sources.iter();
         self.air.is_some()
-            || self.used_materials().any(|material| !material.is_grey())
+            || self.used_materials().any(changes)
             || sources.any(|source| !source.directivity.is_grey())
     }
 
@@ -410,7 +412,7 @@ mod tests {
     use super::*;
     use crate::sampling::lattice;
     use crate::scene::shape::{Room, Sphere};
-    use crate::scene::{Air, Key, Surface};
+    use crate::scene::{Air, Key, Surface, Transmission};
     use glam::{EulerRot, Quat};
     use std::f32::consts::FRAC_PI_2;
 
@@ -568,6 +570,10 @@ mod tests {
         assert!(!scene.has_materials());
         scene.materials.insert("mirror".into(), own);
         assert!(scene.has_materials() && !scene.has_bands());
+        // A wall passes low bands better than high ones, even if it absorbs all bands equally.
+        let wall = own.transmitting(Transmission::of_density(20.0));
+        scene.materials.insert("mirror".into(), wall);
+        assert!(scene.has_bands());
     }
 
     /// Protects motion: every source or listener with a path moves, and the longest path is the scene's duration.
