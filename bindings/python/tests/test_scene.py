@@ -67,6 +67,8 @@ def test_unknown_materials_are_refused_at_once(room):
         em.Scene.shoebox((8, 3, 5), {"floor": 'a "felt"'})
     with pytest.raises(em.SceneError, match="there is no material"):
         room.add_surface("Sphere(radius: 0.5)", material="carpett")
+    with pytest.raises(em.EchomarchError, match="absorption"):
+        room.add_surface("Sphere(radius: 0.5)", material=-0.1)
     assert room.to_ron() == before
     room.add_material('a "felt"', 0.4)
     room.set_material("room", 'a "felt"', part="floor")

@@ -137,7 +137,8 @@ class Scene:
         absorption : float, 8 floats, str, Material, or dict
             Absorption of all walls (one number, or one for each octave band from 63 Hz to 8 kHz), the name of a
             built-in material, or these by wall: ``{"floor": "carpet", "ceiling": 0.6}``. A wall that the dictionary does
-            not name reflects all sound, and responses warn of it. The walls are left, right, floor, ceiling, front (−z) and back.
+            not name reflects all sound, and responses warn of it. The walls are left, right, floor, ceiling, front (−z)
+            and back.
         scattering : float or 8 floats
             Share of the reflected energy that is scattered, for materials that state none.
 
@@ -276,9 +277,6 @@ class Scene:
         else:
             place = self._place("the position of a surface", position)
         label = name if name is not None else str(len(self.surfaces) + 1)
-        # A wrong material leaves the scene as it was.
-        if isinstance(material, str):
-            self._raw.check_material(material, f"the surface {label}")
         fields = [
             f"shape: {_arguments.text('shape', 'a text in the notation of scene files', shape)}",
             f"position: {_vector('the position of a surface', _PLACE, place)}",
@@ -286,9 +284,12 @@ class Scene:
         ]
         if name is not None:
             fields.insert(0, f"name: {_quoted(name)}")
-        self._do("add_surface", ", ".join(fields), f"the surface {label}", os.fspath(folder))
+        # A wrong material leaves the scene as it was.
+        changed = self.copy()
+        changed._do("add_surface", ", ".join(fields), f"the surface {label}", os.fspath(folder))
         if material is not None:
-            self.set_material(label, material)
+            changed.set_material(label, material)
+        self.__dict__.update(changed.__dict__)
 
     def add_material(self, name: str, material: Union[PerBand, Material]) -> None:
         """Add a material, or replace the material of this name.
