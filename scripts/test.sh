@@ -91,7 +91,8 @@ test_on() {
 }
 
 # zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other and without Mesa's driver thread, and
-# one test also runs without Mesa's GL thread; docs/portability.md explains the reasons. softpipe is slow, so only the smallest tests run there.
+# one test also runs without Mesa's GL thread; docs/portability.md explains the reasons. softpipe is slow, so only the
+# smallest tests run there.
 check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink GALLIUM_THREAD=0"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
