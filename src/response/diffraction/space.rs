@@ -33,6 +33,11 @@ pub(super) trait Space {
     fn is_free(&self, a: DVec3, b: DVec3) -> bool {
         self.between(a, b).is_none()
     }
+
+    /// Whether a point sees both ends.
+    fn is_seen_from(&self, [a, b]: [DVec3; 2], point: DVec3) -> bool {
+        self.is_free(a, point) && self.is_free(b, point)
+    }
 }
 
 impl Space for ExactScene {

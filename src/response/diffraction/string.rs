@@ -272,16 +272,12 @@ impl HalfPlanes {
     /// The contacts of the string around the far side of the first obstacle above the straight way.
     fn contacts_beside(&self, plane: &Plane<impl Space>, most_m: f64) -> Option<Vec<Contact>> {
         let tent = |height: f64| self.apex(MIDDLE, height, plane.up);
+        let ends = [self.source, self.listener];
         let is_free =
-            |height: f64| height < self.clear || self.sees_both(plane.space, tent(height));
+            |height: f64| height < self.clear || plane.space.is_seen_from(ends, tent(height));
         let (blocked, _) = self.first_blocked(0.0, most_m, tent, is_free)?;
         let tents = (&[MIDDLE][..], blocked);
         plane.contacts_over(self.source, self.listener, tents, MOST_INNER_DEPTH)
-    }
-
-    /// Whether a point sees both ends.
-    fn sees_both(&self, space: &impl Space, point: DVec3) -> bool {
-        space.is_free(self.source, point) && space.is_free(self.listener, point)
     }
 
     /// The apex of a tent; foot and height are shares of the distance between the ends.
@@ -410,7 +406,8 @@ impl HalfPlanes {
         };
         let apex = |height: f64| self.apex(foot, height, plane.up);
         let clear = if above.is_none() { self.clear } else { 0.0 };
-        let is_free = |height: f64| height < clear || self.sees_both(space, apex(height));
+        let ends = [self.source, self.listener];
+        let is_free = |height: f64| height < clear || space.is_seen_from(ends, apex(height));
         let mut free = rise;
         if above.is_some() {
             // The apex over the whole string is higher than its contacts.

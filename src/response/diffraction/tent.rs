@@ -87,10 +87,7 @@ impl<S: Space> Plane<'_, S> {
         let along = (b - a) / length;
         let up = self.up.reject_from_normalized(along).try_normalize()?;
         let apex = |foot: f64, height: f64| a + along * (foot * length) + up * (height * length);
-        let is_free = |foot: f64, height: f64| {
-            let apex = apex(foot, height);
-            self.space.is_free(a, apex) && self.space.is_free(b, apex)
-        };
+        let is_free = |foot: f64, height: f64| self.space.is_seen_from([a, b], apex(foot, height));
         let first =
             |foot: &f64| Some((*foot, first_free(blocked, |height| is_free(*foot, height))?));
         let over_corner = || {
@@ -165,30 +162,16 @@ impl<S: Space> Plane<'_, S> {
         for index in 1..=SIGHTS {
             let above = PI * f64::from(index) / f64::from(SIGHTS);
             let above = (above, depth_m(above));
-            let mut corner = (below, above);
+            let corner = corner_between([below, above], depth_m);
             below = above;
-            for _ in 0..CORNER_STEPS {
-                let (low, high) = corner;
-                if high.1 < low.1 * DEEPER {
-                    break;
-                }
-                let middle = 0.5 * (low.0 + high.0);
-                let middle = (middle, depth_m(middle));
-                // The part in which the depth grows more.
-                corner = match middle.1 * middle.1 > low.1 * high.1 {
-                    true => (low, middle),
-                    false => (middle, high),
-                };
-            }
-            let (low, high) = corner;
-            if high.1 < low.1 * DEEPER {
+            let Some([(_, near_m), (angle, far_m)]) = corner else {
                 continue;
-            }
-            let apex = |share: f64| a + direction(high.0) * (low.1 + (high.1 - low.1) * share);
-            let apexes = BEYOND_CORNER.into_iter().map(apex);
-            let free = |apex: &DVec3| self.space.is_free(a, *apex) && self.space.is_free(b, *apex);
-            if let Some(apex) = apexes.into_iter().find(free) {
-                return Some(apex);
+            };
+            let apex = |share: f64| a + direction(angle) * (near_m + (far_m - near_m) * share);
+            let mut apexes = BEYOND_CORNER.into_iter().map(apex);
+            let free = apexes.find(|apex| self.space.is_seen_from([a, b], *apex));
+            if free.is_some() {
+                return free;
             }
         }
         None
@@ -256,6 +239,28 @@ impl Lowered {
         self.contacts.reverse();
         self
     }
+}
+
+/// Directions just before and beyond a corner between two directions, each an angle in radians with its depth of sight in
+/// metres; `None` if sight becomes no deeper.
+fn corner_between(
+    [mut low, mut high]: [(f64, f64); 2],
+    depth_m: impl Fn(f64) -> f64,
+) -> Option<[(f64, f64); 2]> {
+    let is_deeper = |[low, high]: [(f64, f64); 2]| high.1 >= low.1 * DEEPER;
+    for _ in 0..CORNER_STEPS {
+        if !is_deeper([low, high]) {
+            return None;
+        }
+        let angle = 0.5 * (low.0 + high.0);
+        let middle = (angle, depth_m(angle));
+        // The part in which the depth grows more.
+        match middle.1 * middle.1 > low.1 * high.1 {
+            true => high = middle,
+            false => low = middle,
+        }
+    }
+    is_deeper([low, high]).then_some([low, high])
 }
 
 /// Height in metres of a point over the line through two others.
