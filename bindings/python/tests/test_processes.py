@@ -155,10 +155,11 @@ def test_a_script_needs_no_guard_for_workers(python):
     assert (done.returncode, done.stdout) == (0, "once\n2\n"), done.stderr
 
 
-def test_a_workers_error_is_raised(room):
+def test_a_workers_error_is_raised(room, tmp_path):
     """Protects the reason of a failure: the exception of a worker process keeps its class and its sentence."""
-    room.set_material("room", "carpt", part="front")
-    with pytest.raises(em.SceneError, match="carpt"):
+    (tmp_path / "ball.glsl").write_text("float field(vec3 p) { return length(p) - radius; }")
+    room.add_surface('Field(file: "ball.glsl", lipschitz: 1, size: (2, 2, 2))', name="ball", folder=tmp_path)
+    with pytest.raises(em.SettingsError, match="ball.glsl:1: 'radius' undeclared"):
         em.responses([em.Scene("shoebox"), room], workers=2, **CHEAP)
     with pytest.raises(em.SettingsError, match="workers must be 1 or more, not 0"):
         em.responses([room], workers=0)
