@@ -484,13 +484,12 @@ fn wide_m(
 
 /// Adds the ways over the lines of a bend's edges in half-planes without a string, where they are free.
 fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut Detours) {
-    for (index, detour) in detours.iter_mut().enumerate() {
-        let azimuth = index as f64 * STEP;
-        let is_sought = detour.is_none() && planes.is_sought(index);
-        if !is_sought || !bend.is_free_over_lines(space, planes, azimuth) {
-            continue;
-        }
-        let length = bend.length_over_lines(planes, azimuth);
-        *detour = length.map(|length| length - planes.apart_m());
+    let is_missing = |index: &usize| detours[*index].is_none() && planes.is_sought(*index);
+    let missing: Vec<usize> = (0..HALF_PLANES).filter(is_missing).collect();
+    let azimuths: Vec<f64> = missing.iter().map(|index| *index as f64 * STEP).collect();
+    let are_free = bend.are_free_over_lines(space, planes, &azimuths);
+    for ((index, azimuth), is_free) in missing.into_iter().zip(azimuths).zip(are_free) {
+        let length = bend.length_over_lines(planes, azimuth).filter(|_| is_free);
+        detours[index] = length.map(|length| length - planes.apart_m());
     }
 }

@@ -1,5 +1,6 @@
 //! A way around an obstacle: a taut string that is stationary over its edges, and the pressure at its end (`pressure.rs`).
 
+mod abutment;
 mod pressure;
 mod remembered;
 
@@ -11,6 +12,7 @@ use super::space::Space;
 use super::string::{self, HalfPlanes, TautString};
 use super::turn::Turn;
 use super::wedge::Wedge;
+use abutment::Abutment;
 use glam::DVec3;
 use num_complex::Complex64;
 use remembered::Remembered;
@@ -212,20 +214,20 @@ impl Bend {
 
     /// Whether all edges lie on surfaces, and the legs are free.
     fn is_on_solid(&self, space: &impl Space) -> bool {
-        self.is_within(space, 0.0)
+        self.is_within(space, 0.0, &[])
     }
 
-    /// Whether all edges lie within `height` metres of surfaces, and the legs are free.
-    fn is_within(&self, space: &impl Space, height: f64) -> bool {
+    /// Whether all edges lie within `height` metres of surfaces or behind these faces, and the legs are free up to the faces.
+    fn is_within(&self, space: &impl Space, height: f64, faces: &[Abutment]) -> bool {
         let error = ON_SURFACE * self.length_m;
-        self.turns
-            .iter()
-            .all(|turn| space.distance(turn.apex).abs() <= error + height)
-            && self.is_free(space, error)
+        self.turns.iter().all(|turn| {
+            let is_behind = faces.iter().any(|face| face.is_behind(turn.apex));
+            is_behind || space.distance(turn.apex).abs() <= error + height
+        }) && self.is_free(space, error, faces)
     }
 
-    /// Whether the legs are free, if each contact is lifted off the solid by `lift` metres.
-    fn is_free(&self, space: &impl Space, lift: f64) -> bool {
+    /// Whether the legs are free up to these faces, if each contact is lifted off the solid by `lift` metres.
+    fn is_free(&self, space: &impl Space, lift: f64, faces: &[Abutment]) -> bool {
         let last = self.points.len() - 1;
         let lifted = |index: usize| {
             let point = self.points[index];
@@ -236,7 +238,16 @@ impl Bend {
                 + (point - self.points[index + 1]).normalize_or_zero();
             point + outwards.normalize_or_zero() * lift
         };
-        (0..last).all(|index| space.is_free(lifted(index), lifted(index + 1)))
+        (0..last).all(|index| {
+            let leg = [lifted(index), lifted(index + 1)];
+            let face = faces
+                .iter()
+                .find(|face| leg.iter().any(|end| face.is_behind(*end)));
+            match face {
+                Some(face) => face.is_free_up_to(space, leg, lift),
+                None => space.is_free(leg[0], leg[1]),
+            }
+        })
     }
 
     /// Whether two ways turn at the same points.
@@ -309,24 +320,30 @@ impl Bend {
         string::length(&points) - string::length(&self.points) + self.length_m
     }
 
-    /// Whether the way over the lines of the edges lies on them, and is free, in the half-plane of an azimuth.
-    pub fn is_free_over_lines(
+    /// Whether the way over the lines of the edges lies on them, and is free, in each of the half-planes with these
+    /// azimuths. An edge that ends in a face at right angles to it counts as endless there.
+    pub fn are_free_over_lines(
         &self,
         space: &impl Space,
         planes: &HalfPlanes,
-        azimuth: f64,
-    ) -> bool {
-        let Some(points) = self
-            .points_on_lines(planes, azimuth)
-            .filter(|_| self.is_narrow())
-        else {
-            return false;
-        };
+        azimuths: &[f64],
+    ) -> Vec<bool> {
+        if !self.is_narrow() {
+            return vec![false; azimuths.len()];
+        }
         // The legs before and after a rounding meet above it, higher where they turn more.
         let heights = self.turns.iter().map(|turn| space.distance(turn.apex));
         let height = 2.0 * heights.fold(0.0, f64::max);
-        let moved = self.clone().moved_to(points);
-        moved.is_within(space, height)
+        let faces = Abutment::of(space, self, height);
+        let is_free = |azimuth: &f64| {
+            self.points_on_lines(planes, *azimuth)
+                .is_some_and(|points| {
+                    self.clone()
+                        .moved_to(points)
+                        .is_within(space, height, &faces)
+                })
+        };
+        azimuths.iter().map(is_free).collect()
     }
 
     /// Source, the points on the lines of the edges in the half-plane of an azimuth, listener.
