@@ -80,6 +80,11 @@ impl Brink {
         })
     }
 
+    /// The point of the line next to the leg from `start`, on the edge at which the face begins, to `end`.
+    pub fn beside_leg(&self, start: DVec3, end: DVec3) -> DVec3 {
+        self.edge.shortest(start, end)
+    }
+
     /// The factor of the pressure at `end` for the wave number `k`, relative to an endless face. `before_m` is the length
     /// of the way up to the edge at `start`, and `face` the pressure reflection coefficient of the faces.
     pub fn factor(
@@ -90,10 +95,12 @@ impl Brink {
         k: f64,
         face: f64,
     ) -> Option<Complex64> {
-        let towards = (start - self.edge.point).try_normalize()?;
-        let ends = [self.edge.point + towards * (before_m + self.width_m), end];
-        let radius = 0.5 * self.width_m.min(self.edge.point.distance(end));
-        let wedge = self.edge.wedge(space, ends, self.outwards, radius)?;
+        let point = self.beside_leg(start, end);
+        let (towards, between_m) = (start - point).normalize_and_length();
+        let ends = [point + towards * (before_m + between_m), end];
+        let radius = 0.5 * self.width_m.min(point.distance(end));
+        let edge = Edge { point, ..self.edge };
+        let wedge = edge.wedge(space, ends, self.outwards, radius)?;
         // The way arrives along the face, and the leg after it is free: rounding must not hide its end.
         let wedge = Wedge {
             air_angle: wedge.air_angle - wedge.source_angle,

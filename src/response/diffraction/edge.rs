@@ -67,6 +67,11 @@ impl Edge {
         self.point + self.along * along
     }
 
+    /// The part of a vector at right angles to the edge.
+    pub fn across(&self, vector: DVec3) -> DVec3 {
+        vector - self.along * vector.dot(self.along)
+    }
+
     /// Whether a point lies within `near_m` metres of the edge's line.
     pub fn is_near(&self, point: DVec3, near_m: f64) -> bool {
         self.split(point).1.length() < near_m

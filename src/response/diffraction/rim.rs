@@ -234,8 +234,9 @@ impl Rim {
 
     /// Distance in metres from the edge at which sound of the wave number `k` perceives its faces.
     fn face_m(&self, k: f64) -> f64 {
-        let legs = [self.source, self.listener].map(|end| end.distance(self.edge.point));
-        face_distance_m(k, legs, legs[0].min(legs[1]))
+        let legs = [self.source, self.listener].map(|end| end - self.edge.point);
+        let [a, b] = legs.map(|leg| self.edge.across(leg).length());
+        face_distance_m(k, legs.map(DVec3::length), a.min(b))
     }
 
     fn wedge(&self, space: &impl Space, radius: f64) -> Option<Wedge> {

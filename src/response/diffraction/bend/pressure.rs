@@ -1,7 +1,7 @@
 //! The pressure at the end of a bent way: the product of the pressures by its turns (Pierce 1974), each between that of an
 //! edge and that of a curved surface.
 
-use super::{Bend, shorter_leg};
+use super::Bend;
 use crate::response::diffraction::edge::{Edge, face_distance_m};
 use crate::response::diffraction::space::Space;
 use crate::response::diffraction::string;
@@ -20,7 +20,8 @@ const SMALL: [f64; 2] = [0.25, 1.0];
 /// follow it.
 const FLAT: [f64; 2] = [0.1, 0.3];
 
-/// Distance between two edges, times the wave number, at which they count half as two.
+/// Distance between two edges, times the wave number across them, at which they count half as two. On a way that meets the
+/// edges at the angle β both are the share sin β of those along the way.
 const THIN: f64 = 1.0;
 
 impl Bend {
@@ -28,34 +29,45 @@ impl Bend {
     /// without the focus of curved edges. `faces` are the pressure reflection coefficients at the turns.
     pub fn pressure(&self, space: &impl Space, k: f64, faces: &[f64]) -> Option<Complex64> {
         let product = self.product(space, k, faces)?;
-        let widths = self.brinks.iter().flatten().map(|brink| brink.width_m);
-        let Some(width_m) = widths.min_by(f64::total_cmp) else {
+        let across = [0, 1].into_iter().filter_map(|side| {
+            let (width_m, along_way_m) = (self.brinks[side]?.width_m, self.to_brink_m(side)?);
+            Some(width_m * width_m / along_way_m)
+        });
+        let Some(across_m) = across.min_by(f64::total_cmp) else {
             return Some(product);
         };
         let whole = self.with_endless_faces().product(space, k, faces)?;
         let [before, after] = [0, 1].map(|side| self.brink_factor(space, side, k, faces));
         // At the boundary of its shadow the end of a face is an edge of the string, far above it none.
         let hidden = 2.0 * (1.0 - before.norm().min(after.norm())).clamp(0.0, 0.5);
-        Some(both(product * before * after, whole, k * width_m, hidden))
+        Some(both(product * before * after, whole, k * across_m, hidden))
+    }
+
+    /// The first or the last edge, and the end of the way next to it.
+    fn outer_leg(&self, side: usize) -> (DVec3, DVec3) {
+        let last = self.points.len() - 1;
+        match side {
+            0 => (self.points[1], self.points[0]),
+            _ => (self.points[last - 1], self.points[last]),
+        }
+    }
+
+    /// Distance in metres along the way from the first or the last edge to the end of the face beside its leg.
+    fn to_brink_m(&self, side: usize) -> Option<f64> {
+        let (start, end) = self.outer_leg(side);
+        let brink = self.brinks[side]?;
+        Some(brink.beside_leg(start, end).distance(start))
     }
 
     /// The factor by the end of a face before the first turn, or after the last.
     fn brink_factor(&self, space: &impl Space, side: usize, k: f64, faces: &[f64]) -> Complex64 {
-        let Some(brink) = self.brinks[side] else {
+        let (Some(brink), Some(width)) = (self.brinks[side], self.to_brink_m(side)) else {
             return Complex64::ONE;
         };
-        let last = self.points.len() - 1;
-        let (start, end, face) = match side {
-            0 => (self.points[1], self.points[0], faces[0]),
-            _ => (
-                self.points[last - 1],
-                self.points[last],
-                faces[faces.len() - 1],
-            ),
-        };
+        let (start, end) = self.outer_leg(side);
+        let face = faces[if side == 0 { 0 } else { faces.len() - 1 }];
         let after = start.distance(end);
         let before = self.length_m - after;
-        let width = brink.width_m;
         // As for two edges of the string.
         let near = nearness(width, self.length_m, [before + width, after]);
         let factor = brink.factor(space, (start, before), end, k * near.min(1.0), face);
@@ -84,7 +96,7 @@ impl Bend {
             };
             let merged = (last && is_edge).then(|| self.merged(space, index, k, faces[index]));
             product = match merged.flatten() {
-                Some(merged) => both(apart, merged, k * between, 1.0),
+                Some(merged) => both(apart, merged, k * self.across_m(index, between), 1.0),
                 None => apart,
             };
             last = is_edge;
@@ -111,6 +123,14 @@ impl Bend {
         self.turns[index - 1].exit.distance(self.turns[index].entry)
     }
 
+    /// Distance between a turn and the one before it in metres, `between_m` along the way, times the square of the sine of the
+    /// way's angle to the edges.
+    fn across_m(&self, index: usize, between_m: f64) -> f64 {
+        let towards = self.turns[index].entry - self.turns[index - 1].exit;
+        let across = self.edges[index].across(towards).length();
+        across * across / between_m.max(f64::MIN_POSITIVE)
+    }
+
     /// Pressure by a turn and the one before it, as by one edge where the legs before and after them meet: they are one
     /// to sound of a long wavelength.
     fn merged(&self, space: &impl Space, index: usize, k: f64, face: f64) -> Option<Complex64> {
@@ -127,7 +147,8 @@ impl Bend {
             point: turn.apex,
             along: along.try_normalize()?,
         };
-        let radius = face_distance_m(k, way_lengths(&points, index), shorter_leg(&points, index));
+        let shorter_m = shorter_leg_across(&edge, &points, index);
+        let radius = face_distance_m(k, way_lengths(&points, index), shorter_m);
         let wedge = wedge_at(space, &points, index, &edge, (self.outwards, radius))?;
         // Edges that cross each other, as two at a corner, do not merge: the faces about their mean direction enclose no
         // solid.
@@ -195,7 +216,7 @@ impl Bend {
     /// Distance in metres from a turn at which sound of the wave number `k` perceives its faces.
     fn face_m(&self, index: usize, k: f64) -> f64 {
         let contact = index + 1;
-        let mut nearest = shorter_leg(&self.points, contact);
+        let mut nearest = shorter_leg_across(&self.edges[index], &self.points, contact);
         for (brink, at) in self.brinks.iter().zip([0, self.turns.len() - 1]) {
             if let Some(brink) = brink.filter(|_| at == index) {
                 nearest = nearest.min(brink.width_m);
@@ -237,6 +258,12 @@ fn wedge_at(
     };
     let ends = [end(contact - 1, before)?, end(contact + 1, after)?];
     edge.wedge(space, ends, outwards, radius)
+}
+
+/// Length in metres, at right angles to an edge, of the shorter leg at its point `contact` of a way.
+fn shorter_leg_across(edge: &Edge, points: &[DVec3], contact: usize) -> f64 {
+    let leg = |other: usize| edge.across(points[other] - points[contact]).length();
+    leg(contact - 1).min(leg(contact + 1))
 }
 
 /// Lengths in metres of a way before and after its point `contact`.
