@@ -2,6 +2,7 @@
 
 use super::edges::{Edges, part_count};
 use super::intersections::intersections;
+use super::nesting::reverse_inverted;
 use super::report::{Defect, MeshReport};
 use super::sheets::{overlays, sheets};
 use super::{Inside, MOST_GROUPS, MOST_TRIANGLES, MeshError, MeshFaces, MeshOptions, TriangleMesh};
@@ -27,7 +28,9 @@ pub(super) fn checked(
         ..MeshReport::default()
     };
     let scale = f64::from(options.scale);
-    let (vertices, place_of) = distinct(faces.vertices.iter().map(|v| (*v * scale).as_vec3()));
+    let scaled = || faces.vertices.iter().map(|v| *v * scale);
+    report.rounding_m = scaled().map(rounding_m).fold(0.0, f64::max);
+    let (vertices, place_of) = distinct(scaled().map(|v| v.as_vec3()));
     let corners = faces
         .triangles
         .iter()
@@ -61,7 +64,10 @@ pub(super) fn checked(
             .iter_mut()
             .for_each(|triangle| triangle.swap(1, 2));
     }
-    report.volume_m3 = volume.abs();
+    if report.is_closed {
+        report.inverted = reverse_inverted(&vertices, &mut triangles, report.is_hollow);
+    }
+    report.volume_m3 = signed_volume(&vertices, &triangles).abs();
     report.vertices = vertices.len();
     report.triangles = triangles.len();
     report.parts = part_count(vertices.len(), &triangles);
@@ -141,6 +147,11 @@ fn check_limits(faces: &MeshFaces, options: MeshOptions) -> Result<(), MeshError
             why: "each triangle needs one of the groups".to_owned(),
         }),
     }
+}
+
+/// Distance in metres between a place and the nearest one in `f32`.
+fn rounding_m(place: DVec3) -> f64 {
+    place.distance(place.as_vec3().as_dvec3())
 }
 
 /// The different places, and for each place its index among them.

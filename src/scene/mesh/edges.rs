@@ -152,7 +152,22 @@ pub(super) fn part_count(vertices: usize, triangles: &[[u32; 3]]) -> usize {
         .count()
 }
 
-/// The representative of a vertex's part; paths to it are shortened by half.
+/// The triangles of each part that is joined by edges of two faces, in order of their first triangles.
+pub(super) fn joined(triangles: &[[u32; 3]]) -> Vec<Vec<usize>> {
+    let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
+    for sides in Edges::of(triangles).all().filter(|sides| sides.len() == 2) {
+        let roots = [sides[0], sides[1]].map(|side| root_of(&mut parent, side.triangle));
+        parent[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
+    }
+    let mut parts: Vec<Vec<usize>> = vec![Vec::new(); triangles.len()];
+    for at in 0..triangles.len() {
+        parts[root_of(&mut parent, at as u32) as usize].push(at);
+    }
+    parts.retain(|part| !part.is_empty());
+    parts
+}
+
+/// The representative of a part; paths to it are shortened by half.
 fn root_of(parent: &mut [u32], mut at: u32) -> u32 {
     while parent[at as usize] != at {
         let above = parent[parent[at as usize] as usize];

@@ -25,6 +25,7 @@ mod edges;
 mod error;
 mod facets;
 mod intersections;
+mod nesting;
 mod read;
 #[cfg(feature = "meshes")]
 mod read_gltf;
@@ -33,7 +34,7 @@ mod read_obj;
 mod report;
 mod sheets;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod tree;
 mod triangle;
 

@@ -49,12 +49,16 @@ pub struct MeshReport {
     pub area_m2: f64,
     /// Width, height and depth of the bounding box in metres.
     pub size_m: DVec3,
+    /// Greatest distance in metres between a corner of the file and the traced one, which is rounded to `f32`.
+    pub rounding_m: f64,
     /// Triangles without an area, which were left out.
     pub degenerate: Defect,
     /// Triangles that occur more than once, of which one was kept.
     pub repeated: Defect,
     /// Triangles that were reversed, because their neighbours have the opposite orientation.
     pub turned: Defect,
+    /// Parts that were reversed, because they enclosed air within air, or solids within the solid around all rooms.
+    pub inverted: Defect,
     /// Edges with one face, or with more faces on one side than on the other.
     pub open_edges: Defect,
     /// Edges with more than two faces.
@@ -72,6 +76,9 @@ const LARGEST_USUAL_M: f64 = 1_000.0;
 
 /// Size of a bounding box in metres below which the unit of the file is probably not the metre.
 const SMALLEST_USUAL_M: f64 = 0.1;
+
+/// Share of the size by which corners may be rounded without a warning. Planes are tilted by as many radians.
+const MOST_ROUNDING: f64 = 1e-4;
 
 impl MeshReport {
     /// The defects that change what is heard, as sentences without a full stop.
@@ -95,6 +102,12 @@ impl MeshReport {
             "reversed, because the neighbours have the opposite orientation",
         );
         tell(
+            &self.inverted,
+            "part was",
+            "parts were",
+            "reversed: faces enclosed air within air, or solids within the solid around all rooms",
+        );
+        tell(
             &self.intersections,
             "pair of triangles intersects",
             "pairs of triangles intersect",
@@ -110,6 +123,12 @@ impl MeshReport {
         if !(SMALLEST_USUAL_M..=LARGEST_USUAL_M).contains(&size) {
             all.push(format!(
                 "it is {size:.4} m long: if its unit is not the metre, state the metres per unit as its scale"
+            ));
+        }
+        if self.rounding_m > MOST_ROUNDING * size {
+            all.push(format!(
+                "its corners are rounded by up to {:.1} mm, because they are far from the origin: move the model to the origin, and sources and listeners with it",
+                1e3 * self.rounding_m
             ));
         }
         all

@@ -465,3 +465,97 @@ fn cells_list_their_triangles() {
         }
     }
 }
+
+/// Protects furniture that is inside out: it is reversed and told of, also if the faces of the room are reversed with it.
+/// Furniture that is right, or intersects another piece or a wall, remains.
+#[test]
+fn parts_that_are_inside_out_are_reversed() {
+    let table = box_faces(DVec3::new(1.6, 0.8, 0.9));
+    let mut inside_out = table.clone();
+    inside_out.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    let place = DVec3::new(0.5, -0.9, 0.3);
+    let furnished = |room: MeshFaces, pieces: &[(&MeshFaces, DVec3)]| {
+        let mut faces = room;
+        for (piece, at) in pieces {
+            add(&mut faces, piece, *at);
+        }
+        faces
+    };
+    let beside = place + DVec3::new(0.7, 0.1, 0.2);
+    let in_wall = DVec3::new(1.6, 0.2, 0.1);
+    let cases = [
+        (furnished(room(), &[(&table, place)]), 0, 60.0 - 1.152),
+        (
+            furnished(
+                room(),
+                &[(&table, place), (&table, beside), (&table, in_wall)],
+            ),
+            0,
+            60.0 - 3.0 * 1.152,
+        ),
+        (furnished(room(), &[(&inside_out, place)]), 1, 60.0 - 1.152),
+        (
+            furnished(
+                room(),
+                &[
+                    (&inside_out, place),
+                    (&table, -place),
+                    (&inside_out, beside),
+                ],
+            ),
+            2,
+            60.0 - 3.0 * 1.152,
+        ),
+        (
+            furnished(box_faces(DVec3::new(4.0, 3.0, 5.0)), &[(&table, place)]),
+            1,
+            60.0 - 1.152,
+        ),
+        (
+            furnished(room(), &[(&table, DVec3::new(9.0, 0.0, 0.0))]),
+            1,
+            60.0 + 1.152,
+        ),
+    ];
+    for (index, (faces, inverted, volume_m3)) in cases.into_iter().enumerate() {
+        let mesh = mesh(faces, Some(Inside::Air)).expect("a furnished room");
+        let report = mesh.report();
+        assert_eq!(report.inverted.count, inverted, "case {index}");
+        assert!(
+            (report.volume_m3 - volume_m3).abs() < 1e-5,
+            "case {index}: {}",
+            report.volume_m3
+        );
+        let told = report
+            .warnings()
+            .iter()
+            .any(|warning| warning.contains("reversed: faces enclosed"));
+        assert_eq!(told, inverted > 0, "case {index}");
+    }
+    let mut pair = table.clone();
+    add(&mut pair, &inside_out, DVec3::new(9.0, 0.0, 0.0));
+    add(&mut pair, &table, DVec3::new(0.0, 9.0, 0.0));
+    let pair = mesh(pair, None).expect("three solids");
+    assert_eq!(
+        (pair.report().inverted.count, pair.report().is_hollow),
+        (1, false)
+    );
+    let mut shell = box_faces(DVec3::new(4.0, 3.0, 5.0));
+    add(&mut shell, &inside_out, place);
+    let shell = mesh(shell, None).expect("a solid with a cavity");
+    assert_eq!(shell.report().inverted.count, 0);
+}
+
+/// Protects models in the coordinates of a survey: corners that are rounded by too much are told of.
+#[test]
+fn corners_far_from_the_origin_are_told_of() {
+    let far = |metres: f64| {
+        let mut faces = box_faces(DVec3::new(4.1, 3.3, 5.7));
+        faces.vertices.iter_mut().for_each(|v| v.x += metres);
+        let mesh = mesh(faces, None).expect("a box");
+        let told = mesh.report().warnings();
+        told.iter()
+            .any(|warning| warning.contains("rounded by up to"))
+    };
+    assert_eq!([0.0, 100.0, 1e5, 5e5].map(far), [false, false, true, true]);
+}

@@ -1,0 +1,112 @@
+//! Parts of a closed mesh that are inside out: furniture whose faces point the same way as the walls of its room.
+//!
+//! A face with air on both sides, or with solids on both sides, bounds nothing. The number of solids about a place is the
+//! sum of the solid angles of all faces over 4π, and one more in a mesh that is surrounded by a solid: 0 in air, 1 or
+//! more in solids.
+
+use super::edges::joined;
+use super::report::Defect;
+use crate::scene::shape::Bounds3;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// Maximum number of solid angles that are computed: one or two seconds. In larger meshes, later parts keep their
+/// orientation.
+const MOST_ANGLES: usize = 50_000_000;
+
+/// Distance of an examined place from its face, as a share of the square root of the face's area.
+const OFF_FACE: f64 = 1e-3;
+
+/// Triangles that are joined by edges of two faces.
+struct Part {
+    triangles: Vec<usize>,
+    /// Volume behind its faces in m³: negative if it encloses air.
+    volume_m3: f64,
+    bounds: Bounds3,
+}
+
+/// Reverses the parts of a closed mesh that enclose air within air, and in a mesh that is surrounded by a solid those that
+/// enclose solids within it. Returns their number.
+pub(super) fn reverse_inverted(
+    vertices: &[Vec3],
+    triangles: &mut [[u32; 3]],
+    is_hollow: bool,
+) -> Defect {
+    let parts: Vec<Part> = joined(triangles)
+        .into_iter()
+        .map(|part| Part::of(vertices, triangles, part))
+        .collect();
+    let mut inverted = Defect::default();
+    if parts.len() < 2 {
+        return inverted;
+    }
+    let encloses_air = |part: &&Part| part.volume_m3 < 0.0;
+    let rooms: Vec<&Part> = parts.iter().filter(encloses_air).collect();
+    let is_in_room = |part: &Part| rooms.iter().any(|room| room.is_about(part));
+    let is_suspect = |part: &&Part| encloses_air(part) || (is_hollow && !is_in_room(part));
+    let most = MOST_ANGLES / triangles.len();
+    let found: Vec<&Part> = parts
+        .iter()
+        .filter(is_suspect)
+        .take(most)
+        .filter(|part| part.is_inverted(vertices, triangles, is_hollow))
+        .collect();
+    for part in found {
+        inverted.add(vertices[triangles[part.triangles[0]][0] as usize]);
+        for at in &part.triangles {
+            triangles[*at].swap(1, 2);
+        }
+    }
+    inverted
+}
+
+impl Part {
+    fn of(vertices: &[Vec3], all: &[[u32; 3]], triangles: Vec<usize>) -> Part {
+        let own = || triangles.iter().map(|at| corners(vertices, &all[*at]));
+        let origin = own().next().map_or(DVec3::ZERO, |[a, ..]| a);
+        let volume = |[a, b, c]: [DVec3; 3]| (a - origin).dot((b - origin).cross(c - origin)) / 6.0;
+        Part {
+            volume_m3: own().map(volume).sum(),
+            bounds: Bounds3::of_points(own().flatten()),
+            triangles,
+        }
+    }
+
+    /// Whether the bounding box of the part contains that of another one.
+    fn is_about(&self, other: &Part) -> bool {
+        self.bounds.hull(other.bounds) == self.bounds
+    }
+
+    /// Whether its largest face has air on both sides, or solids.
+    fn is_inverted(&self, vertices: &[Vec3], all: &[[u32; 3]], is_hollow: bool) -> bool {
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+        let own = self.triangles.iter();
+        let faces = own.map(|at| corners(vertices, &all[*at]));
+        let size = |face: &[DVec3; 3]| normal(*face).length();
+        let Some(face) = faces.max_by(|a, b| size(a).total_cmp(&size(b))) else {
+            return false;
+        };
+        let off = normal(face).normalize_or_zero() * (OFF_FACE * size(&face).sqrt());
+        let place = face.iter().sum::<DVec3>() / 3.0 + off;
+        let angles = all
+            .iter()
+            .map(|triangle| solid_angle(corners(vertices, triangle), place));
+        let solids_in_front = angles.sum::<f64>() / (4.0 * PI) + f64::from(u8::from(is_hollow));
+        match self.volume_m3 < 0.0 {
+            true => solids_in_front < -0.5,
+            false => solids_in_front > 0.5,
+        }
+    }
+}
+
+fn corners(vertices: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
+    triangle.map(|at| vertices[at as usize].as_dvec3())
+}
+
+/// Solid angle of a triangle seen from a place, positive from behind (A. Van Oosterom and J. Strackee, *The solid angle of a
+/// plane triangle*, IEEE Transactions on Biomedical Engineering 30, 1983).
+fn solid_angle(corners: [DVec3; 3], place: DVec3) -> f64 {
+    let [a, b, c] = corners.map(|corner| (corner - place).normalize_or_zero());
+    let volume = a.dot(b.cross(c));
+    2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
