@@ -31,6 +31,8 @@ pub(crate) struct Chord {
     pub leaves_m: f64,
     /// Cosines of the angles of the line to the normals of the surface, at both points: 0 to 1.
     pub cosines: [f64; 2],
+    /// The groups of the faces of a mesh at both points; `None` for other surfaces.
+    pub groups: [Option<usize>; 2],
 }
 
 /// Half the step of the difference quotients of a normal, as a share of the scene's extent.
@@ -182,6 +184,10 @@ impl Line {
                         enters_m,
                         leaves_m: at,
                         cosines: [enters_m, at].map(|t| self.cosine(placed, t)),
+                        groups: [
+                            self.group(placed, enters_m, self.direction),
+                            self.group(placed, at, -self.direction),
+                        ],
                     });
                     None
                 }
@@ -241,6 +247,13 @@ impl Line {
 
     fn distance(&self, placed: &Placed, t: f64) -> f64 {
         placed.distance(self.origin + self.direction * t)
+    }
+
+    /// The group of the face of a mesh that a flight in this direction meets at a point of the line.
+    fn group(&self, placed: &Placed, t: f64, flight: DVec3) -> Option<usize> {
+        let step = DIFFERENCE * self.length;
+        let before = self.origin + self.direction * t - flight * step;
+        placed.group_met(before, flight, (self.depth, 2.0 * step))
     }
 
     /// The cosine of the angle between the line and the normal at a point of the surface; 1 without a normal.

@@ -207,6 +207,21 @@ impl Placed {
         }
     }
 
+    /// The group of the first face of a mesh that a line meets within `until` metres from its air side. The start may lie
+    /// up to `error_bound` metres behind the face. `None` for other shapes.
+    pub fn group_met(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        (error_bound, until): (f64, f64),
+    ) -> Option<usize> {
+        let Form::Mesh(ref mesh) = self.form else {
+            return None;
+        };
+        let (o, d) = (self.local(origin - self.position), self.local(direction));
+        mesh.group_met(o, d, error_bound, until)
+    }
+
     /// Signed distance in metres from a point of the air in front of a face to the rest of the shape, as if the shape
     /// were mirrored at the face and the face were open. `on_face` is a point of its plane, and `normal` its unit normal, in
     /// world axes.

@@ -65,6 +65,12 @@ impl PlacedMesh {
         })
     }
 
+    /// The group of the first face met within `until` metres.
+    pub fn group_met(&self, o: DVec3, d: DVec3, error_bound: f64, until: f64) -> Option<usize> {
+        let (_, triangle) = self.mesh.first_hit(o, d, error_bound, until)?;
+        Some(usize::from(self.mesh.triangle(triangle).group))
+    }
+
     /// The point of a hit on its triangle, and the unit normal there.
     pub fn project(&self, triangle: u32, o: DVec3, d: DVec3) -> (DVec3, DVec3) {
         let inset = INSET * self.mesh.extent();

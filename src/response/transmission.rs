@@ -5,7 +5,8 @@
 //! The line from the source to the listener is cut into its parts in solids, on the distances of the scene
 //! (`geometry/chords.rs`). Solids in contact form a leaf. The length of the line in a leaf times the cosine of its
 //! angle to the normal is the thickness, which for a plate does not depend on the angle. Materials in a leaf share the
-//! thickness in proportion to the length of the line in each. A share τ of the energy passes a leaf:
+//! thickness in proportion to the length of the line in each. A mesh whose faces have several materials is half of the
+//! material where the line enters, and half of that where it leaves. A share τ of the energy passes a leaf:
 //!
 //! - With a density ρ and a thickness h, the mass per area is m″ = ρ h. The masses of all materials of a leaf are
 //!   added. The mass law for random incidence is τ = 1 / (1 + (π f m″ / 1.8 ρ₀c₀)²).
@@ -24,7 +25,7 @@ use super::ResponseSettings;
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use crate::error::Error;
 use crate::geometry::{Chord, ExactScene, SolidsAhead};
-use crate::scene::{Exactness, Pair, Scene, Transmission};
+use crate::scene::{Exactness, Material, Pair, Scene, Transmission};
 use crate::shader::Materials;
 use crate::tracer::{FarEnd, SolidHit};
 use glam::DVec3;
@@ -115,23 +116,25 @@ pub(super) fn solids(pair: Pair, settings: &ResponseSettings) -> Result<Option<E
 pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Option<FarEnd> {
     let ahead = opposite(exact, hit).or_else(|| {
         let ahead = exact.solids_ahead(hit.point, hit.direction)?;
-        Some(Way::new(ahead, hit.direction))
+        Way::new(ahead, hit.direction)
     })?;
     let Way {
         chords,
-        surface,
+        exit,
         point,
     } = ahead;
     let passing = Leaf::of(scene, &chords)?.share();
-    let absorption = |surface: u32| {
-        let material = scene.material(surface as usize - 1, None);
-        material.map_or([0.0; BAND_COUNT], |material| material.absorption)
-    };
-    let sides = [hit.surface, surface].map(absorption);
+    let entry = chords.iter().find(|chord| chord.surface == hit.surface);
+    let [entered, left] = [
+        entry.and_then(|entry| materials(scene, entry)[0]),
+        materials(scene, &exit)[1],
+    ];
+    let sides = [entered, left]
+        .map(|material| material.map_or([0.0; BAND_COUNT], |material| material.absorption));
     let share = std::array::from_fn(|band| passing[band].min(sides[0][band]).min(sides[1][band]));
     let is_heard = share.iter().any(|share| *share >= LEAST_LATE_SHARE);
     is_heard.then(|| FarEnd {
-        surface,
+        surface: exit.surface,
         point,
         length_m: hit.point.distance(point),
         share,
@@ -141,25 +144,23 @@ pub(super) fn of_wave(scene: &Scene, exact: &ExactScene, hit: &SolidHit) -> Opti
 /// A straight way through a leaf.
 struct Way {
     chords: Vec<Chord>,
-    /// The surface at which it leaves the leaf.
-    surface: u32,
+    /// The part that ends where it leaves the leaf.
+    exit: Chord,
     /// The point at which it leaves the leaf.
     point: DVec3,
 }
 
 impl Way {
-    fn new(ahead: SolidsAhead, direction: DVec3) -> Way {
+    /// `None` without solids.
+    fn new(ahead: SolidsAhead, direction: DVec3) -> Option<Way> {
         let SolidsAhead { chords, start } = ahead;
         let later = |a: &&Chord, b: &&Chord| a.leaves_m.total_cmp(&b.leaves_m);
-        let (surface, leaves_m) = chords
-            .iter()
-            .max_by(later)
-            .map_or((0, 0.0), |last| (last.surface, last.leaves_m));
-        Way {
+        let exit = *chords.iter().max_by(later)?;
+        Some(Way {
             chords,
-            surface,
-            point: start + direction * leaves_m,
-        }
+            exit,
+            point: start + direction * exit.leaves_m,
+        })
     }
 }
 
@@ -167,8 +168,8 @@ impl Way {
 /// end of this way.
 fn opposite(exact: &ExactScene, hit: &SolidHit) -> Option<Way> {
     let inward = -exact.outward(hit.surface, hit.point)?;
-    let way = Way::new(exact.solids_ahead(hit.point, inward)?, inward);
-    let outward = exact.outward(way.surface, way.point)?;
+    let way = Way::new(exact.solids_ahead(hit.point, inward)?, inward)?;
+    let outward = exact.outward(way.exit.surface, way.point)?;
     (outward.dot(hit.direction) > 0.0).then_some(way)
 }
 
@@ -191,6 +192,12 @@ fn leaves(chords: &[Chord], contact_m: f64) -> Vec<&[Chord]> {
     leaves
 }
 
+/// The materials of the faces at which a line enters and leaves a solid. Each has half of the solid's thickness.
+fn materials(scene: &Scene, chord: &Chord) -> [Option<Material>; 2] {
+    let index = chord.surface as usize - 1;
+    chord.groups.map(|group| scene.material(index, group))
+}
+
 /// Solids in contact, with the thickness of each material in metres.
 struct Leaf(Vec<(Transmission, f64)>);
 
@@ -204,12 +211,13 @@ impl Leaf {
             // Two solids that overlap count once, as the first of them.
             let length_m = (chord.leaves_m - chord.enters_m.max(until)).max(0.0);
             until = until.max(chord.leaves_m);
-            let index = chord.surface as usize - 1;
-            let transmission = scene.material(index, None)?.transmission?;
-            let thickness_m = length_m * thickness_per_length;
-            match layers.iter_mut().find(|(known, _)| *known == transmission) {
-                Some((_, thickness)) => *thickness += thickness_m,
-                None => layers.push((transmission, thickness_m)),
+            let half_m = 0.5 * length_m * thickness_per_length;
+            for material in materials(scene, chord) {
+                let transmission = material?.transmission?;
+                match layers.iter_mut().find(|(known, _)| *known == transmission) {
+                    Some((_, thickness)) => *thickness += half_m,
+                    None => layers.push((transmission, half_m)),
+                }
             }
         }
         Some(Leaf(layers))

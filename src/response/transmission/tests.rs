@@ -1,8 +1,11 @@
 use super::*;
 use crate::scene::Material;
-use crate::scene::shape::{Cuboid, RoundedBox, Sphere};
+use crate::scene::mesh::tests::box_faces;
+use crate::scene::mesh::{MeshOptions, TriangleMesh};
+use crate::scene::shape::{Cuboid, Mesh, RoundedBox, Sphere};
 use crate::{Listener, Source, Surface};
 use glam::{Quat, Vec3};
+use std::sync::Arc;
 
 /// Tolerance of levels in decibels.
 const WITHIN_DB: f64 = 0.1;
@@ -173,6 +176,42 @@ fn walls_in_rows_add_up() {
     let stated = index.map(|index| index - 6.0206);
     let touching = row(slab(0.075, 0.05, 9.0, "panel"));
     assert_near(&touching, &sum(mass_law(100.0), stated));
+}
+
+/// A box of triangles, 0.1 m thick in x and 9 m wide and high, with these groups on its side towards −x and elsewhere.
+fn mesh_slab(left: &str, others: &str) -> Surface {
+    let mut faces = box_faces(DVec3::new(0.1, 9.0, 9.0));
+    faces.groups = vec![left.to_owned(), others.to_owned()];
+    faces.group_of.iter_mut().for_each(|of| *of = (*of).min(1));
+    let mesh = TriangleMesh::new("slab", faces, MeshOptions::default()).expect("a mesh");
+    Surface::new(Mesh {
+        mesh: Arc::new(mesh),
+    })
+}
+
+/// Protects the materials of a mesh's faces: they transmit, and not only the material of the whole mesh.
+#[test]
+fn a_mesh_transmits_by_the_materials_of_its_faces() {
+    let heavy = Transmission::of_density(2500.0);
+    let materials = [("brickwork", BRICKWORK), ("heavy", heavy)];
+    for (left, others, mass) in [
+        ("brickwork", "brickwork", 100.0),
+        ("brickwork", "heavy", 175.0),
+    ] {
+        assert_near(
+            &upright(vec![mesh_slab(left, others)], &materials),
+            &mass_law(mass),
+        );
+    }
+    let (a, b) = (Vec3::new(-5.0, 0.3, 0.2), Vec3::new(5.0, 0.3, 0.2));
+    for (left, others) in [("brickwork", "carpet"), ("carpet", "brickwork")] {
+        let mesh = mesh_slab(left, others).with_material("brickwork");
+        assert_eq!(
+            reductions(vec![mesh], &materials, a, b),
+            None,
+            "{left}, {others}"
+        );
+    }
 }
 
 /// Protects silence: a solid without transmission, or one that leaves less than −100 dB in every band, has no path.
