@@ -1,7 +1,7 @@
 //! The parts of a straight line that lie in solids.
 
 use super::closed_form::Placed;
-use super::exact::{ExactScene, ROUNDING};
+use super::exact::ExactScene;
 use glam::DVec3;
 
 /// Minimum step along a line, as a share of its length. Parts of the line that are shorter can be missed: 10 nm on a
@@ -63,7 +63,7 @@ impl ExactScene {
     /// The solids in contact that a line in this direction passes from a point of a surface. `None` if the line does
     /// not enter a solid at this point, or a solid has no far side.
     pub(crate) fn solids_ahead(&self, point: DVec3, direction: DVec3) -> Option<SolidsAhead> {
-        let extent = self.error_bound / ROUNDING;
+        let extent = self.extent_m();
         let start = point - direction * (BEFORE_HIT * extent);
         let line = Line {
             origin: start,
@@ -99,7 +99,7 @@ impl ExactScene {
     /// distance has no gradient.
     pub(crate) fn outward(&self, surface: u32, point: DVec3) -> Option<DVec3> {
         let placed = self.surfaces.get((surface as usize).checked_sub(1)?)?;
-        gradient(placed, point, NORMAL_STEP * self.error_bound / ROUNDING).try_normalize()
+        gradient(placed, point, NORMAL_STEP * self.extent_m()).try_normalize()
     }
 
     /// The indices of the surfaces that a line may meet within `reach` metres.

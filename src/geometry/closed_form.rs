@@ -207,6 +207,14 @@ impl Placed {
         }
     }
 
+    /// The groups of the faces of a mesh within `reach` metres of a world point, each once; none for other shapes.
+    pub fn groups_near(&self, point: DVec3, reach: f64) -> Vec<usize> {
+        match self.form {
+            Form::Mesh(ref mesh) => mesh.groups_near(self.local(point - self.position), reach),
+            _ => Vec::new(),
+        }
+    }
+
     /// The group of the first face of a mesh that a line meets within `until` metres from its air side. The start may lie
     /// up to `error_bound` metres behind the face. `None` for other shapes.
     pub fn group_met(

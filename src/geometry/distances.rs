@@ -63,16 +63,26 @@ impl ExactScene {
 
     /// The number, from 1, of the surface nearest to a world point; 0 in a scene without surfaces.
     pub(crate) fn nearest(&self, point: DVec3) -> u32 {
-        // Numbers start at 1.
-        self.nearest_except(point, 0)
+        self.nearest_by(point, |_, surface| surface.distance(point))
     }
 
-    /// The number, from 1, of the surface nearest to a world point, without the one with the number `except`; 0 without
-    /// another surface.
-    pub(crate) fn nearest_except(&self, point: DVec3, except: u32) -> u32 {
+    /// The number of the nearest surface for [`ExactScene::distance_without_face`].
+    pub(crate) fn nearest_without_face(
+        &self,
+        point: DVec3,
+        (mirror, face): (u32, (DVec3, DVec3)),
+    ) -> u32 {
+        self.nearest_by(point, |number, surface| match number == mirror {
+            true => surface.distance_without_face(point, face),
+            false => surface.distance(point),
+        })
+    }
+
+    /// The number of the surface with the least of these distances. They are at least [`Placed::distance`].
+    fn nearest_by(&self, point: DVec3, distance: impl Fn(u32, &Placed) -> f64) -> u32 {
         let mut nearest: Option<(f64, u32)> = None;
         self.visit_nearest(point, |number, surface| {
-            let found = (surface.distance(point), number);
+            let found = (distance(number, surface), number);
             // At equal distances, the first surface in the scene is nearest.
             let is_nearer = |(distance, other): (f64, u32)| {
                 found
@@ -81,12 +91,20 @@ impl ExactScene {
                     .then(number.cmp(&other))
                     .is_lt()
             };
-            if number != except && nearest.is_none_or(is_nearer) {
+            if nearest.is_none_or(is_nearer) {
                 nearest = Some(found);
             }
             nearest.map_or(f64::INFINITY, |(distance, _)| distance)
         });
         nearest.map_or(0, |(_, number)| number)
+    }
+
+    /// The groups of the faces of a mesh, or the walls of rooms, within `reach` metres of a world point; none for other
+    /// surfaces. `surface` is the number of the surface, from 1.
+    pub(crate) fn groups_near(&self, surface: u32, point: DVec3, reach: f64) -> Vec<usize> {
+        let index = (surface as usize).wrapping_sub(1);
+        let surface = self.surfaces.get(index);
+        surface.map_or(Vec::new(), |surface| surface.groups_near(point, reach))
     }
 
     /// Whether a world point is more than `depth` metres inside a solid.

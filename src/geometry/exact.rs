@@ -17,7 +17,7 @@ use crate::scene::{IntoPair, Pair, SceneError};
 use glam::DVec3;
 
 /// Error bound of positions, as a share of the scene's extent: a few hundred units in the last place.
-pub(super) const ROUNDING: f64 = 1e-13;
+const ROUNDING: f64 = 1e-13;
 
 /// Margin of the bounding boxes of surfaces, as a share of the scene's extent: a millimetre in a hundred metres. All
 /// intersection tests decide at much smaller distances from a surface.
@@ -182,6 +182,11 @@ impl ExactScene {
     /// Error bound of positions in this scene, in metres.
     pub(crate) fn rounding(&self) -> f64 {
         self.error_bound
+    }
+
+    /// The largest coordinate of the scene in metres.
+    pub(crate) fn extent_m(&self) -> f64 {
+        self.error_bound / ROUNDING
     }
 
     /// Traces one wave from `start` (world metres) along the unit vector `direction`, for at most `reflections`

@@ -65,6 +65,15 @@ impl PlacedMesh {
         })
     }
 
+    /// The groups of the faces within `reach` metres of a point, each once.
+    pub fn groups_near(&self, p: DVec3, reach: f64) -> Vec<usize> {
+        let facets = self.mesh.facets_near(p, reach).into_iter();
+        let mut groups: Vec<usize> = facets.map(|(_, facet)| usize::from(facet.group)).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        groups
+    }
+
     /// The group of the first face met within `until` metres.
     pub fn group_met(&self, o: DVec3, d: DVec3, error_bound: f64, until: f64) -> Option<usize> {
         let (_, triangle) = self.mesh.first_hit(o, d, error_bound, until)?;

@@ -6,6 +6,7 @@ use super::source_sound::{HeardPath, Medium, PathKind};
 use super::transmission;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
+use crate::geometry::ExactScene;
 use crate::platform::Instant;
 use crate::response::exact_paths::{EarlyPaths, SpecularPath, Vertex};
 use crate::response::{ResponseSettings, Tap};
@@ -209,10 +210,10 @@ impl<'a> Obstacles<'a> {
         }
     }
 
-    /// The pressure reflection coefficients of a surface, by its number and by band.
-    fn faces(&self) -> impl Fn(u32) -> Bands {
-        let scene = self.pair.scene;
-        move |surface| pressure_reflection(scene, surface)
+    /// The pressure reflection coefficients of a surface, by its number, at a point, and by band.
+    fn faces(&self) -> impl Fn(u32, DVec3) -> Bands {
+        let (scene, exact) = (self.pair.scene, self.early.exact());
+        move |surface, point| pressure_reflection(scene, exact, surface, point)
     }
 
     /// The paths around what hides the source from the listener; none if they see each other, or if either is in a solid.
@@ -348,12 +349,31 @@ impl<'a> Obstacles<'a> {
     }
 }
 
-/// The share of the pressure that a surface reflects, by band: 1 for a surface without a material.
-fn pressure_reflection(scene: &Scene, surface: u32) -> Bands {
-    let index = (surface as usize).checked_sub(1);
-    let material = index.and_then(|index| scene.material(index, None));
-    material.map_or([1.0; BAND_COUNT], |material| {
-        material.absorption.map(|share| (1.0 - share).sqrt())
+/// Distance from an edge within which faces meet there, as a share of the scene's extent. Edges are found within 1e-5 of the
+/// length of a way.
+const AT_EDGE: f64 = 1e-4;
+
+/// The share of the pressure that a surface reflects at a point, by band: 1 for a surface without a material. At the edge of
+/// a mesh, or of rooms, the mean of the faces that meet there.
+fn pressure_reflection(scene: &Scene, exact: &ExactScene, surface: u32, point: DVec3) -> Bands {
+    let Some(index) = (surface as usize).checked_sub(1) else {
+        return [1.0; BAND_COUNT];
+    };
+    let groups = exact.groups_near(surface, point, AT_EDGE * exact.extent_m());
+    let groups = groups.into_iter().map(Some);
+    let mut faces: Vec<Option<usize>> = groups.collect();
+    if faces.is_empty() {
+        faces.push(None);
+    }
+    let count = faces.len() as f64;
+    let coefficients = faces.into_iter().map(|face| {
+        let material = scene.material(index, face);
+        material.map_or([1.0; BAND_COUNT], |material| {
+            material.absorption.map(|share| (1.0 - share).sqrt())
+        })
+    });
+    coefficients.fold([0.0; BAND_COUNT], |sum, of| {
+        std::array::from_fn(|band| sum[band] + of[band] / count)
     })
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 const SPEED: f64 = 343.0;
-const WALLS: fn(u32) -> Bands = |_| [0.9; BAND_COUNT];
+const WALLS: fn(u32, DVec3) -> Bands = |_, _| [0.9; BAND_COUNT];
 
 /// Two rooms of this height, joined by a doorway in a wall from x = 5 m to `far`, from `low` to `high` along z.
 fn rooms(height: f64, far: f64, [low, high]: [f64; 2], top: f64, ends: Ends) -> ExactScene {

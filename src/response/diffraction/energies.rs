@@ -16,6 +16,7 @@ use super::interference::{self, band_mean};
 use super::space::Space;
 use super::ways::{Way, Ways};
 use crate::bands::{BAND_COUNT, Bands};
+use glam::DVec3;
 use std::f64::consts::PI;
 
 impl Ways {
@@ -25,7 +26,7 @@ impl Ways {
         &self,
         space: &impl Space,
         speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
+        coefficients: impl Fn(u32, DVec3) -> Bands,
     ) -> Vec<DiffractedPath> {
         let heard: Vec<&Bend> = self.bends.iter().flat_map(Way::heard).collect();
         let energies = self.energies(space, speed, coefficients, &heard);
@@ -45,7 +46,7 @@ impl Ways {
         &self,
         space: &impl Space,
         speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
+        coefficients: impl Fn(u32, DVec3) -> Bands,
         heard: &[&Bend],
     ) -> Vec<Bands> {
         let faces = self.faces(space, coefficients);

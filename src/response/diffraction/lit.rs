@@ -12,6 +12,7 @@ use super::string::HalfPlanes;
 use super::touch::MOST_DETOUR_M;
 use super::ways::Ways;
 use crate::bands::{self, BAND_COUNT, Bands};
+use glam::DVec3;
 use num_complex::Complex64;
 
 /// The edges and further ways beside a free way.
@@ -81,10 +82,11 @@ impl Lit {
         &self,
         space: &impl Space,
         speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
+        coefficients: impl Fn(u32, DVec3) -> Bands,
     ) -> Change {
         let faces = self.beside.iter().map(|beside| {
-            let face = coefficients(space.nearest(beside.rim.point()));
+            let point = beside.rim.point();
+            let face = coefficients(space.nearest(point), space.in_scene(point));
             (face, beside.far.faces(space, &coefficients))
         });
         let faces: Vec<(Bands, Vec<Vec<Bands>>)> = faces.collect();

@@ -134,29 +134,33 @@ impl Space for MirroredSpace<'_> {
     }
 
     fn distance(&self, point: DVec3) -> f64 {
-        let face = (self.mirror.surface, (self.mirror.point, self.mirror.normal));
         self.exact
-            .distance_without_face(self.mirror.in_front(point), face)
+            .distance_without_face(self.mirror.in_front(point), self.face())
     }
 
     fn nearest(&self, point: DVec3) -> u32 {
-        // At the foot of a wall the mirror is as near as the wall.
-        let point = self.mirror.in_front(point);
-        match self.exact.nearest_except(point, self.mirror.surface) {
-            0 => self.mirror.surface,
-            other => other,
-        }
+        self.exact
+            .nearest_without_face(self.mirror.in_front(point), self.face())
+    }
+
+    fn in_scene(&self, point: DVec3) -> DVec3 {
+        self.mirror.in_front(point)
     }
 }
 
 impl MirroredSpace<'_> {
+    /// The number of the surface that reflects, and a point of its face with the unit normal there.
+    fn face(&self) -> (u32, (DVec3, DVec3)) {
+        (self.mirror.surface, (self.mirror.point, self.mirror.normal))
+    }
+
     /// The diffracted paths with one reflection, or with two if the source is hidden from the listener; none if the
     /// reflection at the plane alone reaches the listener.
     pub fn around(
         &self,
         (source, listener): Ends,
         speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
+        coefficients: impl Fn(u32, DVec3) -> Bands,
     ) -> Vec<DiffractedPath> {
         let image = self.mirror.image(source);
         let Some(once) = ways_around(self, (image, listener)) else {
@@ -185,7 +189,7 @@ impl MirroredSpace<'_> {
         &self,
         (source, listener): Ends,
         speed: f64,
-        coefficients: impl Fn(u32) -> Bands,
+        coefficients: impl Fn(u32, DVec3) -> Bands,
     ) -> Change {
         let lit = Lit::between(self, (self.mirror.image(source), listener));
         lit.map_or(Change::NONE, |lit| lit.change(self, speed, coefficients))
@@ -199,7 +203,7 @@ mod tests {
     use crate::bands::BAND_COUNT;
 
     const SPEED: f64 = 343.0;
-    const RIGID: fn(u32) -> Bands = |_| [1.0; BAND_COUNT];
+    const RIGID: fn(u32, DVec3) -> Bands = |_, _| [1.0; BAND_COUNT];
     const SOURCE: DVec3 = DVec3::new(-3.0, 0.4, 0.3);
     const LISTENER: DVec3 = DVec3::new(2.5, 0.9, -0.4);
 

@@ -117,14 +117,14 @@ pub(super) fn intercepted(detours_m: &[f64], speed: f64) -> Bands {
 
 /// The diffracted paths from a source to a listener in the air that do not see each other; none if they do.
 ///
-/// `coefficients` are the pressure reflection coefficients of a surface, by its number and by band.
+/// `coefficients` are the pressure reflection coefficients of a surface, by its number, at a point, and by band.
 ///
 /// The energies do not change if source and listener change places: the search always begins at the same end.
 pub(super) fn around(
     exact: &ExactScene,
     ends: Ends,
     speed: f64,
-    coefficients: impl Fn(u32) -> Bands,
+    coefficients: impl Fn(u32, DVec3) -> Bands,
 ) -> Vec<DiffractedPath> {
     from_either_end(ends, |ends| {
         let ways = ways_around(exact, ends);
@@ -160,7 +160,7 @@ pub(super) fn around_mirrored(
     mirror: Mirror,
     ends: Ends,
     speed: f64,
-    coefficients: impl Fn(u32) -> Bands,
+    coefficients: impl Fn(u32, DVec3) -> Bands,
 ) -> Vec<DiffractedPath> {
     let space = MirroredSpace {
         exact,
@@ -176,7 +176,7 @@ pub(super) fn beside_mirrored(
     mirror: Mirror,
     ends: Ends,
     speed: f64,
-    coefficients: impl Fn(u32) -> Bands,
+    coefficients: impl Fn(u32, DVec3) -> Bands,
 ) -> Change {
     let space = MirroredSpace {
         exact,
@@ -224,7 +224,7 @@ pub(super) fn beside(
     exact: &ExactScene,
     ends: Ends,
     speed: f64,
-    coefficients: impl Fn(u32) -> Bands,
+    coefficients: impl Fn(u32, DVec3) -> Bands,
 ) -> Change {
     let lit = Lit::between(exact, in_order(ends));
     lit.map_or(Change::NONE, |lit| lit.change(exact, speed, coefficients))

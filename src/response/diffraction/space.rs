@@ -23,6 +23,11 @@ pub(super) trait Space {
     /// The number, from 1, of the surface nearest to a point; 0 without surfaces.
     fn nearest(&self, point: DVec3) -> u32;
 
+    /// The point of the scene that a point of this space stands for.
+    fn in_scene(&self, point: DVec3) -> DVec3 {
+        point
+    }
+
     /// The surface from `a` on the way to `b`, if one is in the way.
     fn between(&self, a: DVec3, b: DVec3) -> Option<Obstacle> {
         let (direction, length) = (b - a).normalize_and_length();

@@ -254,7 +254,7 @@ fn levels_behind_a_jamb_are_those_of_the_modes_of_the_opening() {
         };
         let ends = [source, listener].map(|[aside, from]| DVec3::new(aside, 0.0, from));
         let exact = exact(&format!("{}, {}", wall(1.0), wall(-1.0)), ends.into());
-        let paths = around(&exact, ends.into(), SPEED, |_| [1.0; 8]);
+        let paths = around(&exact, ends.into(), SPEED, |_, _| [1.0; 8]);
         let energy = crate::bands::sum(paths.iter().map(|path| &path.energy));
         let open = 4.0 * PI * ends[0].distance_squared(ends[1]);
         for (band, exact_db) in exact_db.into_iter().enumerate() {
@@ -293,7 +293,7 @@ fn levels_above_bars_are_those_of_boundary_elements() {
             before_m: way_m,
             after_m: way_m,
         };
-        let direct = beside(&exact, ends.into(), SPEED, |_| [1.0; 8]).energy;
+        let direct = beside(&exact, ends.into(), SPEED, |_, _| [1.0; 8]).energy;
         let reflected = within_faces(&exact, &[reflection], SPEED);
         for (band, exact_db) in (1..).zip(exact_db) {
             let energy = direct[band] + reflected[band] * (3.0 / way_m).powi(2);
@@ -329,7 +329,7 @@ fn energies_over_edges_that_cross_are_numbers() {
         "Surface(shape: Cylinder(radius: 1.339, height: 4.464))",
         ends,
     );
-    let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+    let paths = around(&exact, ends, SPEED, |_, _| [1.0; 8]);
     assert!(!paths.is_empty());
     for path in paths {
         for energy in path.energy {
@@ -347,7 +347,7 @@ fn a_thin_plate_seen_edge_on_leaves_sound() {
         if exact.is_free(ends.0, ends.1) {
             continue;
         }
-        let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+        let paths = around(&exact, ends, SPEED, |_, _| [1.0; 8]);
         assert!(!paths.is_empty(), "{width} m");
     }
 }
@@ -360,7 +360,7 @@ fn levels_along_the_top_of_a_wall_are_those_just_below() {
     let exact = exact(wall, ends(0.0));
     let levels = |height: f64| {
         let ends = ends(height);
-        let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+        let paths = around(&exact, ends, SPEED, |_, _| [1.0; 8]);
         crate::bands::sum(paths.iter().map(|path| &path.energy))
     };
     for (along, below) in levels(0.0).into_iter().zip(levels(-1e-3)) {
@@ -378,7 +378,7 @@ fn levels_behind_a_thin_wall_change_slowly() {
     let exact = exact(wall, ends(0.0));
     let levels = |step: usize| {
         let ends = ends(-0.5 + 0.001 * step as f64);
-        let paths = around(&exact, ends, SPEED, |_| [1.0; 8]);
+        let paths = around(&exact, ends, SPEED, |_, _| [1.0; 8]);
         crate::bands::sum(paths.iter().map(|path| &path.energy))
     };
     let all: Vec<_> = (0..300).map(levels).collect();
@@ -453,7 +453,7 @@ fn no_way_around_a_body_on_the_floor_is_louder_than_in_the_open() {
             point: DVec3::ZERO,
             normal: DVec3::Y,
         };
-        let rigid = |_| [1.0; 8];
+        let rigid = |_, _| [1.0; 8];
         let mut paths = around(&scene, ends, SPEED, rigid);
         paths.extend(super::around_mirrored(&scene, mirror, ends, SPEED, rigid));
         heard += paths.len();
@@ -480,7 +480,7 @@ fn a_way_leads_round_the_corner_of_a_narrow_corridor() {
         );
         let corner = DVec3::new(0.0, 1.5, 0.0);
         let length_m = ends.0.distance(corner) + ends.1.distance(corner);
-        let paths = around(&exact(&rooms, ends), ends, SPEED, |_| [1.0; 8]);
+        let paths = around(&exact(&rooms, ends), ends, SPEED, |_, _| [1.0; 8]);
         let is_there = |path: &DiffractedPath| (path.length_m - length_m).abs() < 1e-4;
         assert!(paths.iter().any(is_there), "{width} m: {paths:?}");
     }

@@ -173,9 +173,9 @@ impl Ways {
     pub fn faces(
         &self,
         space: &impl Space,
-        coefficients: impl Fn(u32) -> Bands,
+        coefficients: impl Fn(u32, DVec3) -> Bands,
     ) -> Vec<Vec<Bands>> {
-        let face = |point: DVec3| coefficients(space.nearest(point));
+        let face = |point: DVec3| coefficients(space.nearest(point), space.in_scene(point));
         let of_bends = self.bends.iter().map(|way| {
             let turns = way.bend.turns.iter();
             turns.map(|turn| face(turn.middle)).collect()
