@@ -36,6 +36,9 @@ pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 /// checked and traced as a separate sound.
 pub(super) const MOST_PLACED: usize = 256;
 
+/// Length of a room in metres above which its unit is probably not the metre, as for meshes.
+const LONGEST_USUAL_ROOM: f64 = 1_000.0;
+
 impl Scene {
     /// Checks the scene like [`Scene::validate_moving`], and every field like `Shape::check`, which takes a few
     /// milliseconds for each field that states its Lipschitz constant. This check runs when a scene file is read, and
@@ -481,6 +484,21 @@ impl Scene {
         warnings.extend(self.without_material());
         warnings.extend(self.one_sided_fields());
         warnings.extend(self.odd_meshes());
+        warnings.extend(self.large_rooms());
+        warnings
+    }
+
+    /// Warns about rooms that are so large that their unit is probably not the metre. Meshes have their own warning.
+    fn large_rooms(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let length = surface.room_length();
+            let large = length.filter(|length| *length > LONGEST_USUAL_ROOM);
+            warnings.extend(large.map(|length| Warning::LargeRoom {
+                surface: surface.label(index),
+                length,
+            }));
+        }
         warnings
     }
 
@@ -621,6 +639,23 @@ impl Scene {
             _ => label,
         };
         Some((solid, -nearest.distance))
+    }
+}
+
+impl Surface {
+    /// The longest edge in metres of the box around the air of a room; `None` for another shape.
+    fn room_length(&self) -> Option<f64> {
+        let shape = &self.shape;
+        let size = match (&shape.node, &shape.children[..]) {
+            (Node::Room(room), _) => room.size.as_dvec3(),
+            (Node::Rooms(rooms), _) => rooms.mesh().report().size_m,
+            (Node::Complement(_), [air]) => {
+                let bounds = air.properties().bounds;
+                2.0 * bounds.is_finite().then(|| bounds.half_size())?
+            }
+            _ => return None,
+        };
+        Some(size.max_element())
     }
 }
 
