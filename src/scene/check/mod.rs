@@ -408,37 +408,43 @@ impl Scene {
             return Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()));
         }
         match no_such_group(surface) {
-            Some(why) => Err(self.bad_field(&surface.label(index), why)),
+            Some((_, why)) => Err(self.bad_field(&surface.label(index), why)),
             None => Ok(()),
         }
     }
 }
 
-/// The error message for materials of faces that the surface lacks, if there are any.
-pub(super) fn no_such_group(surface: &Surface) -> Option<String> {
+/// The name of faces that the surface lacks but that have a material, and the error message, if there are any.
+pub(super) fn no_such_group(surface: &Surface) -> Option<(&str, String)> {
     if let Some(rooms) = surface.rooms() {
         return no_such_wall(surface, rooms);
     }
     let groups = surface.shape.mesh().map_or(&[][..], |mesh| mesh.groups());
     let unknown = surface.faces.keys().find(|name| !groups.contains(name))?;
     if groups.is_empty() {
-        return Some(NOT_A_MESH.to_owned());
+        return Some((unknown, NOT_A_MESH.to_owned()));
     }
     let all: Vec<&str> = groups.iter().map(String::as_str).collect();
     let refused = format!("the mesh has no faces of the material {unknown:?}");
-    Some(nearest_or_all(&refused, unknown, &all))
+    Some((unknown, nearest_or_all(&refused, unknown, &all)))
 }
 
-/// The error message for materials of boxes or walls that rooms lack, if there are any.
-fn no_such_wall(surface: &Surface, rooms: &Rooms) -> Option<String> {
+/// The name of a box or wall that rooms lack but that has a material, and the error message, if there are any.
+fn no_such_wall<'a>(surface: &'a Surface, rooms: &Rooms) -> Option<(&'a str, String)> {
     let has = |group: &usize| rooms.has_faces(*group);
     let walls = (0..surface.part_count()).filter(has);
     let walls = walls.filter_map(|group| surface.group_name(group).map(str::to_owned));
     let all: Vec<String> = rooms.names().chain(walls).collect();
     let unknown = surface.faces.keys().find(|name| !all.contains(name))?;
+    if (0..surface.part_count()).any(|group| surface.group_name(group) == Some(unknown)) {
+        let why = format!(
+            "the wall {unknown:?} of the rooms is open to other boxes as a whole, and takes no material"
+        );
+        return Some((unknown, why));
+    }
     let all: Vec<&str> = all.iter().map(String::as_str).collect();
     let refused = format!("the rooms have no box and no wall {unknown:?}");
-    Some(nearest_or_all(&refused, unknown, &all))
+    Some((unknown, nearest_or_all(&refused, unknown, &all)))
 }
 
 /// The error message for materials of faces of a shape that is not a mesh.
