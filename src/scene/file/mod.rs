@@ -265,6 +265,10 @@ fn about_part(text: &str, error: &SpannedError) -> Option<String> {
         | Error::InvalidIdentifier(_)
         | Error::SuggestRawIdentifier(_) => {
             let (before, behind) = text.split_at(ron_error::offset(text, error.span.start)?);
+            if behind.trim_start().starts_with('#') {
+                // A comment of another language.
+                return None;
+            }
             how_written(before, behind)
         }
         _ => None,
