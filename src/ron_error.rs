@@ -33,27 +33,41 @@ pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
     if text.trim().is_empty() {
         return format!("the file is empty: {}", begins(kind));
     }
+    if is_foreign_comment(text, error) {
+        return "a comment begins with //, not with #".to_owned();
+    }
     match &error.code {
         Error::Eof => ends(kind),
         Error::TrailingCharacters => format!(
             "{}(…) ends before this: is a parenthesis closed too early?",
             kind.outermost
         ),
-        Error::ExpectedDifferentStructName { expected, found } => other_name(kind, expected, found),
+        Error::ExpectedDifferentStructName { expected, found } => {
+            let told = other_name(kind, expected, found);
+            match *expected != kind.outermost && is_unclosed(text) {
+                true => format!("{told}{MAYBE_UNCLOSED}"),
+                false => told,
+            }
+        }
         Error::ExpectedNamedStructLike(name) if *name == kind.outermost => begins(kind),
         code => of_name(code)
             .map(|told| match code {
                 Error::NoSuchStructField { .. } if is_unclosed(text) => {
-                    format!("{told}; or is a closing bracket missing before it?")
+                    format!("{told}{MAYBE_UNCLOSED}")
                 }
                 _ => told,
             })
             .or_else(|| of_end(text, error, kind))
+            .or_else(|| of_wrong_bracket(text, error))
+            .or_else(|| of_many_values(text, error))
             .or_else(|| of_form(code, Around::of(text, error.span.start)))
             .or_else(|| of_sign(code))
             .unwrap_or_else(|| code.to_string()),
     }
 }
+
+/// The addition to a message where a closing bracket may be missing.
+const MAYBE_UNCLOSED: &str = "; or is a closing bracket missing before it?";
 
 fn begins(kind: FileKind) -> String {
     format!("a {} file begins with {}(…)", kind.what, kind.outermost)
@@ -117,30 +131,114 @@ fn of_name(code: &Error) -> Option<String> {
 
 /// Whether more brackets are opened than closed, outside of comments and quoted texts.
 fn is_unclosed(text: &str) -> bool {
-    let mut depth = 0_i64;
+    let step = |(_, bracket)| if closing(bracket).is_some() { 1 } else { -1 };
+    brackets(text).into_iter().map(step).sum::<i64>() > 0
+}
+
+/// The bracket that closes an opening bracket; `None` for another character.
+fn closing(open: char) -> Option<char> {
+    Some(match open {
+        '(' => ')',
+        '[' => ']',
+        '{' => '}',
+        _ => return None,
+    })
+}
+
+/// The innermost bracket that is open at the end of the text, with its byte offset.
+fn innermost_open(text: &str) -> Option<(usize, char)> {
+    let mut open = Vec::new();
+    for (at, bracket) in brackets(text) {
+        match closing(bracket) {
+            Some(_) => open.push((at, bracket)),
+            None => drop(open.pop()),
+        }
+    }
+    open.pop()
+}
+
+/// Whether the error is at the sign `#`, with which comments of other languages begin.
+fn is_foreign_comment(text: &str, error: &SpannedError) -> bool {
+    let at = offset(text, error.span.start);
+    let is_sign = at.is_some_and(|at| text[at..].trim_start().starts_with('#'));
+    let begins = text.trim_start().starts_with('#') && !text.trim_start().starts_with("#!");
+    begins || is_sign && !matches!(error.code, Error::Message(_))
+}
+
+/// The message for an error at a bracket that does not close the innermost open one, or that opens where a field is
+/// expected.
+fn of_wrong_bracket(text: &str, error: &SpannedError) -> Option<String> {
+    if matches!(error.code, Error::Message(_)) {
+        return None;
+    }
+    let at = offset(text, error.span.start)?;
+    let found = text[at..].trim_start().chars().next()?;
+    let is_of_field = matches!(error.code, Error::ExpectedIdentifier);
+    if is_of_field && closing(found).is_some() && text[..at].trim_end().ends_with(',') {
+        return Some(format!("expected the name of a field here{MAYBE_UNCLOSED}"));
+    }
+    if !matches!(found, ')' | ']' | '}') {
+        return None;
+    }
+    let (opened, open) = innermost_open(&text[..at])?;
+    let wanted = closing(open).filter(|wanted| *wanted != found)?;
+    let line = 1 + text[..opened].matches('\n').count();
+    Some(format!(
+        "expected {wanted} before this {found}: the {open} in line {line} is not closed"
+    ))
+}
+
+/// The message for more values in parentheses than are expected.
+fn of_many_values(text: &str, error: &SpannedError) -> Option<String> {
+    if !matches!(error.code, Error::ExpectedStructLikeEnd) {
+        return None;
+    }
+    let at = offset(text, error.span.start)?;
+    let before = text[..at].trim_end();
+    let (opened, _) = innermost_open(before).filter(|(_, open)| *open == '(')?;
+    let is_value = before.ends_with(',') && text[..opened].trim_end().ends_with(':');
+    let wanted = before[opened..].matches(',').count();
+    // Values in parentheses or after a comment have commas of their own.
+    let is_plain = !before[opened + 1..].contains(['(', '[', '{', '/', '"']);
+    (is_value && is_plain).then(|| {
+        format!(
+            "expected {wanted} values here, not more{}",
+            named_values(wanted)
+        )
+    })
+}
+
+/// The names of the values of a point or a size.
+fn named_values(count: usize) -> &'static str {
+    if count == 3 { ": (x, y, z)" } else { "" }
+}
+
+/// The brackets of a text outside of comments and quoted texts, with their byte offsets.
+fn brackets(text: &str) -> Vec<(usize, char)> {
+    let mut found = Vec::new();
     let mut is_quoted = false;
-    let mut chars = text.chars().peekable();
-    while let Some(next) = chars.next() {
+    let mut chars = text.char_indices().peekable();
+    while let Some((at, next)) = chars.next() {
+        let behind = chars.peek().map(|(_, behind)| *behind);
         match next {
             '\\' if is_quoted => drop(chars.next()),
             '"' => is_quoted = !is_quoted,
             _ if is_quoted => {}
-            '/' if chars.peek() == Some(&'/') => drop(chars.find(|c| *c == '\n')),
-            '/' if chars.peek() == Some(&'*') => {
+            '/' if behind == Some('/') => drop(chars.find(|(_, c)| *c == '\n')),
+            '/' if behind == Some('*') => {
                 let mut before = ' ';
-                for next in chars.by_ref() {
+                for (_, next) in chars.by_ref() {
                     if (before, next) == ('*', '/') {
                         break;
                     }
                     before = next;
                 }
             }
-            '(' | '[' | '{' => depth += 1,
-            ')' | ']' | '}' => depth -= 1,
+            '(' | '[' | '{' | ')' | ']' | '}' => found.push((at, next)),
             _ => {}
         }
     }
-    depth > 0
+    found
 }
 
 /// Reports an unknown field of a part, and lists the known fields.
@@ -230,10 +328,9 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
         },
         Error::ExpectedDifferentLength { expected, found } => {
             let wanted: String = expected.chars().filter(char::is_ascii_digit).collect();
-            if wanted.is_empty() {
-                return None;
-            }
-            format!("expected {wanted} values here, not {found}")
+            let wanted: usize = wanted.parse().ok()?;
+            let names = named_values(wanted);
+            format!("expected {wanted} values here, not {found}{names}")
         }
         _ => return None,
     })
@@ -315,7 +412,11 @@ mod tests {
             ),
             (
                 "source: Source(position: (0, 0))",
-                "expected 3 values here, not 2",
+                "expected 3 values here, not 2: (x, y, z)",
+            ),
+            (
+                "source: Source(position: (0, 0, 0, 0))",
+                "expected 3 values here, not more: (x, y, z)",
             ),
             (
                 "sources: Source()",
@@ -342,6 +443,48 @@ mod tests {
             let said = told(&format!("Scene(surfaces: [],\n {field})"));
             assert!(said.starts_with("f:2:"), "{said}");
             assert!(said.contains(sentence), "{field}: {said}");
+        }
+    }
+
+    /// Protects authors who forget a bracket before another one closes, or begin a comment with `#`.
+    #[test]
+    fn wrong_brackets_and_foreign_comments_are_named() {
+        let unclosed = "f:2:2: expected ) before this ]: the ( in line 1 is not closed";
+        let comment = "a comment begins with //, not with #";
+        let maybe = "or is a closing bracket missing before it?";
+        for (text, sentence) in [
+            ("Scene(surfaces: [Surface(shape: Plane,\n ])", unclosed),
+            ("Scene(surfaces: [Surface(shape: Plane\n ])", unclosed),
+            (
+                "Scene(surfaces: [Surface(shape: Plane /* ) */\n ])",
+                unclosed,
+            ),
+            (
+                "Scene(surfaces: [Surface(shape: Box(size: (1, 2, 3),\n ])",
+                unclosed,
+            ),
+            (
+                "Scene(surfaces: [Surface(shape: Rooms(of: [(from: (0, 0, 0), (from: (0, 0, 0))]))])",
+                maybe,
+            ),
+            (
+                "Scene(surfaces: [Surface(shape: Plane), source: Source())",
+                maybe,
+            ),
+            ("# hall\nScene()", comment),
+            ("Scene(# hall\n surfaces: [])", comment),
+            (
+                "Scene(surfaces: [Surface(shape: Plane), # wall\n])",
+                comment,
+            ),
+            (
+                "Scene(surfaces: [Surface( # wall\n shape: Plane)])",
+                comment,
+            ),
+            ("Scene(surfaces: [Surface(shape: Plane # wall\n)])", comment),
+            ("Scene(name: \"a\" # hall\n)", comment),
+        ] {
+            assert!(told(text).contains(sentence), "{text}: {}", told(text));
         }
     }
 

@@ -305,6 +305,13 @@ pub enum Warning {
         /// True if all samples are solid, false if all samples are air.
         solid: bool,
     },
+    /// A room that is so large that its unit is probably not the metre.
+    LargeRoom {
+        /// The surface.
+        surface: String,
+        /// The longest edge of the box around its air, in metres.
+        length: f64,
+    },
     /// A mesh with a defect that changes what is heard.
     OddMesh {
         /// The surface.
@@ -331,6 +338,10 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Warning::OddMesh { surface, why } => write!(f, "{surface}: {why}"),
+            Warning::LargeRoom { surface, length } => write!(
+                f,
+                "{surface}: it is {length} m long: if its unit is not the metre, state its lengths in metres"
+            ),
             Warning::SourceInsideSurface {
                 source,
                 surface,

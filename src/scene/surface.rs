@@ -202,13 +202,17 @@ impl Surface {
     }
 
     /// The names of all parts that can have a material of their own: walls of a room or of all boxes of rooms, boxes of
-    /// rooms and their walls, and groups of faces of a mesh.
+    /// rooms and their walls, and groups of faces of a mesh. A wall of a box that other boxes cover has no faces, and is
+    /// not listed.
     #[doc(hidden)]
     pub fn part_names(&self) -> Vec<String> {
         let walls = Room::WALL_NAMES.iter().map(|wall| (*wall).to_owned());
         let walls = walls.filter(|_| self.takes_walls());
         let boxes = self.rooms().into_iter().flat_map(Rooms::names);
-        let groups = (0..).map_while(|group| self.group_name(group).map(str::to_owned));
+        let groups = (0..).map_while(|group| self.group_name(group));
+        let has_faces = |group: &usize| self.rooms().is_none_or(|of| of.has_faces(*group));
+        let groups = (0..).zip(groups).filter(|(group, _)| has_faces(group));
+        let groups = groups.map(|(_, name)| name.to_owned());
         walls.chain(boxes).chain(groups).collect()
     }
 
@@ -227,7 +231,8 @@ impl Surface {
     }
 
     /// The names of all materials of the surface: its own, then those of its walls.
-    pub(super) fn material_names(&self) -> impl Iterator<Item = &str> {
+    #[doc(hidden)]
+    pub fn material_names(&self) -> impl Iterator<Item = &str> {
         let walls = self.walls.iter();
         self.material
             .iter()

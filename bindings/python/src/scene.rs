@@ -2,6 +2,7 @@
 
 use crate::errors;
 use echomarch::bands::Bands;
+use echomarch::internals::text::nearest;
 use echomarch::scene::mesh::{Inside, MeshOptions, TriangleMesh};
 use echomarch::scene::shape::Mesh;
 use echomarch::scene::{Material, Pair, SceneError, Warning};
@@ -66,6 +67,29 @@ fn without_place(message: &str, origin: &str) -> String {
     }
 }
 
+/// Appends the existing names, and the one most similar to the wrong name, to a message.
+fn with_names(refused: &str, wrong: &str, names: &[String]) -> String {
+    if names.is_empty() {
+        return format!("{refused}; it has none");
+    }
+    let with_all = format!("{refused}; it has: {}", names.join(", "));
+    match nearest(wrong, names.iter().map(String::as_str)) {
+        Some(nearest) => format!("{with_all}; did you mean {nearest}?"),
+        None => with_all,
+    }
+}
+
+/// The index of a source or listener given by its name, or by its number from 1.
+fn placed(what: &str, label: &str, labels: &[String]) -> PyResult<usize> {
+    let by_number = || label.parse::<usize>().ok()?.checked_sub(1);
+    let named = labels.iter().position(|known| known == label);
+    let found = named.or_else(by_number);
+    found.filter(|index| *index < labels.len()).ok_or_else(|| {
+        let refused = format!("the scene has no {what} {label:?}");
+        errors::settings(with_names(&refused, label, labels))
+    })
+}
+
 impl Scene {
     /// The index of a surface given by its label: a name, or a number from 1.
     fn surface(&self, label: &str) -> PyResult<usize> {
@@ -76,13 +100,8 @@ impl Scene {
         found
             .filter(|index| *index < surfaces.len())
             .ok_or_else(|| {
-                let known = self.surfaces();
-                let message = format!(
-                    "scene {:?} has no surface {label:?}; it has: {}",
-                    self.inner.name,
-                    known.join(", ")
-                );
-                errors::settings(message)
+                let refused = format!("scene {:?} has no surface {label:?}", self.inner.name);
+                errors::settings(with_names(&refused, label, &self.surfaces()))
             })
     }
 
@@ -143,6 +162,13 @@ impl Scene {
         let part = parts(&[&surface, ANY_SOURCE, ANY_LISTENER], origin, &folder)?;
         self.inner.surfaces.extend(part.surfaces);
         Ok(self.inner.surfaces.len())
+    }
+
+    /// Removes a surface, given by its name or its number from 1.
+    fn remove_surface(&mut self, label: &str) -> PyResult<()> {
+        let index = self.surface(label)?;
+        self.inner.surfaces.remove(index);
+        Ok(())
     }
 
     /// Adds a mesh, and returns the names of its groups and its warnings.
@@ -207,14 +233,28 @@ impl Scene {
         if surface.set_part_material(part, material) {
             return Ok(());
         }
+        let refused = format!("{label} has no part {part:?}");
         let names = surface.part_names();
-        let known = match names.is_empty() {
-            true => "it has no parts".to_owned(),
-            false => format!("it has: {}", names.join(", ")),
+        Err(errors::settings(with_names(&refused, part, &names)))
+    }
+
+    /// A name for a material of a surface or of one of its parts. It is `wanted` unless another surface or part has a
+    /// material of this name, for example after the removal of a surface has changed the numbers of others.
+    fn material_name(&self, surface: &str, part: Option<&str>, wanted: &str) -> PyResult<String> {
+        let mut others = self.clone();
+        others.set_material(surface, part, "")?;
+        let is_used = |name: &str| {
+            let users = others.inner.surfaces.iter();
+            let mut names = users.flat_map(Surface::material_names);
+            names.any(|used| used == name)
         };
-        Err(errors::settings(format!(
-            "{label} has no part {part:?}; {known}"
-        )))
+        let mut name = wanted.to_owned();
+        let mut number = 2;
+        while is_used(&name) {
+            name = format!("{wanted} ({number})");
+            number += 1;
+        }
+        Ok(name)
     }
 
     /// Sets the share of sound that built-in materials scatter, by band.
@@ -253,6 +293,20 @@ impl Scene {
         let added = part.listeners.iter().map(|listener| &listener.name);
         self.refuse_same_name("listeners", known, added)?;
         self.inner.listeners.extend(part.listeners);
+        Ok(())
+    }
+
+    /// Removes a source, given by its name or its number from 1.
+    fn remove_source(&mut self, label: &str) -> PyResult<()> {
+        let index = placed("source", label, &self.inner.source_labels())?;
+        self.inner.sources.remove(index);
+        Ok(())
+    }
+
+    /// Removes a listener, given by its name or its number from 1.
+    fn remove_listener(&mut self, label: &str) -> PyResult<()> {
+        let index = placed("listener", label, &self.inner.listener_labels())?;
+        self.inner.listeners.remove(index);
         Ok(())
     }
 

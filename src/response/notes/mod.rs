@@ -4,6 +4,7 @@
 
 mod flutter;
 mod missing;
+mod silence;
 
 use super::{HeardPath, Response};
 use crate::scene::{Pair, Surface};
@@ -95,7 +96,7 @@ impl Response {
     fn inexact_paths(&self, pair: Pair) -> Vec<String> {
         let mut texts = Vec::new();
         if self.counts.arrivals == 0 && self.paths.is_empty() {
-            texts.push("nothing arrives".to_owned());
+            texts.push(silence::reason(pair, self.seconds));
         }
         if self.left_out > 0 {
             texts.push(format!(

@@ -36,6 +36,9 @@ pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 /// checked and traced as a separate sound.
 pub(super) const MOST_PLACED: usize = 256;
 
+/// Length of a room in metres above which its unit is probably not the metre, as for meshes.
+const LONGEST_USUAL_ROOM: f64 = 1_000.0;
+
 impl Scene {
     /// Checks the scene like [`Scene::validate_moving`], and every field like `Shape::check`, which takes a few
     /// milliseconds for each field that states its Lipschitz constant. This check runs when a scene file is read, and
@@ -405,37 +408,43 @@ impl Scene {
             return Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()));
         }
         match no_such_group(surface) {
-            Some(why) => Err(self.bad_field(&surface.label(index), why)),
+            Some((_, why)) => Err(self.bad_field(&surface.label(index), why)),
             None => Ok(()),
         }
     }
 }
 
-/// The error message for materials of faces that the surface lacks, if there are any.
-pub(super) fn no_such_group(surface: &Surface) -> Option<String> {
+/// The name of faces that the surface lacks but that have a material, and the error message, if there are any.
+pub(super) fn no_such_group(surface: &Surface) -> Option<(&str, String)> {
     if let Some(rooms) = surface.rooms() {
         return no_such_wall(surface, rooms);
     }
     let groups = surface.shape.mesh().map_or(&[][..], |mesh| mesh.groups());
     let unknown = surface.faces.keys().find(|name| !groups.contains(name))?;
     if groups.is_empty() {
-        return Some(NOT_A_MESH.to_owned());
+        return Some((unknown, NOT_A_MESH.to_owned()));
     }
     let all: Vec<&str> = groups.iter().map(String::as_str).collect();
     let refused = format!("the mesh has no faces of the material {unknown:?}");
-    Some(nearest_or_all(&refused, unknown, &all))
+    Some((unknown, nearest_or_all(&refused, unknown, &all)))
 }
 
-/// The error message for materials of boxes or walls that rooms lack, if there are any.
-fn no_such_wall(surface: &Surface, rooms: &Rooms) -> Option<String> {
+/// The name of a box or wall that rooms lack but that has a material, and the error message, if there are any.
+fn no_such_wall<'a>(surface: &'a Surface, rooms: &Rooms) -> Option<(&'a str, String)> {
     let has = |group: &usize| rooms.has_faces(*group);
     let walls = (0..surface.part_count()).filter(has);
     let walls = walls.filter_map(|group| surface.group_name(group).map(str::to_owned));
     let all: Vec<String> = rooms.names().chain(walls).collect();
     let unknown = surface.faces.keys().find(|name| !all.contains(name))?;
+    if (0..surface.part_count()).any(|group| surface.group_name(group) == Some(unknown)) {
+        let why = format!(
+            "the wall {unknown:?} of the rooms is open to other boxes as a whole, and takes no material"
+        );
+        return Some((unknown, why));
+    }
     let all: Vec<&str> = all.iter().map(String::as_str).collect();
     let refused = format!("the rooms have no box and no wall {unknown:?}");
-    Some(nearest_or_all(&refused, unknown, &all))
+    Some((unknown, nearest_or_all(&refused, unknown, &all)))
 }
 
 /// The error message for materials of faces of a shape that is not a mesh.
@@ -481,6 +490,21 @@ impl Scene {
         warnings.extend(self.without_material());
         warnings.extend(self.one_sided_fields());
         warnings.extend(self.odd_meshes());
+        warnings.extend(self.large_rooms());
+        warnings
+    }
+
+    /// Warns about rooms that are so large that their unit is probably not the metre. Meshes have their own warning.
+    fn large_rooms(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let length = surface.room_length();
+            let large = length.filter(|length| *length > LONGEST_USUAL_ROOM);
+            warnings.extend(large.map(|length| Warning::LargeRoom {
+                surface: surface.label(index),
+                length,
+            }));
+        }
         warnings
     }
 
@@ -621,6 +645,23 @@ impl Scene {
             _ => label,
         };
         Some((solid, -nearest.distance))
+    }
+}
+
+impl Surface {
+    /// The longest edge in metres of the box around the air of a room; `None` for another shape.
+    fn room_length(&self) -> Option<f64> {
+        let shape = &self.shape;
+        let size = match (&shape.node, &shape.children[..]) {
+            (Node::Room(room), _) => room.size.as_dvec3(),
+            (Node::Rooms(rooms), _) => rooms.mesh().report().size_m,
+            (Node::Complement(_), [air]) => {
+                let bounds = air.properties().bounds;
+                2.0 * bounds.is_finite().then(|| bounds.half_size())?
+            }
+            _ => return None,
+        };
+        Some(size.max_element())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Scenes that are rejected, and scenes with warnings.
 
 use super::*;
-use crate::scene::shape::{Cuboid, Grid, Room, Sphere};
+use crate::scene::shape::{AirBox, Cuboid, Grid, Plane, Room, Rooms, Shape, Sphere};
 use crate::scene::{Air, Node, SampledField, Warning};
 use glam::UVec3;
 use std::sync::Arc;
@@ -265,6 +265,37 @@ fn what_has_no_material_is_told() {
         said.starts_with("surface 2 (Sphere) has no material"),
         "{said}"
     );
+}
+
+/// Protects lengths in millimetres from being taken as metres. Shapes without an end are not rooms.
+#[test]
+fn rooms_in_millimetres_are_warned_of() {
+    let told = |shape: Shape| {
+        let (source, listener) = (Source::at(Vec3::ZERO), Listener::at(Vec3::ONE, 0.3));
+        let warnings = Scene::new("s", vec![Surface::new(shape)], source, listener).warnings();
+        let large = |warning: &Warning| matches!(warning, Warning::LargeRoom { .. });
+        let large: Vec<Warning> = warnings.into_iter().filter(large).collect();
+        large.first().map(ToString::to_string)
+    };
+    let room = |size: [f32; 3]| Shape::from(Room { size: size.into() });
+    let hollow = |radius| Shape::from(Sphere { radius }).complement();
+    let rooms = |to: [f32; 3]| {
+        let only = AirBox {
+            name: String::new(),
+            from: Vec3::ZERO,
+            to: to.into(),
+        };
+        Shape::from(Rooms::new([only]).unwrap())
+    };
+    assert_eq!(
+        told(room([8e3, 3e3, 5e3])).unwrap(),
+        "surface 1 (Room): it is 8000 m long: if its unit is not the metre, state its lengths in metres"
+    );
+    assert!(told(rooms([8e3, 3e3, 5e3])).is_some() && told(hollow(501.0)).is_some());
+    assert_eq!(told(room([1e3, 3.0, 5.0])), None);
+    assert_eq!(told(rooms([8.0, 3.0, 5.0])), None);
+    assert_eq!(told(hollow(499.0)), None);
+    assert_eq!(told(Shape::from(Plane)), None);
 }
 
 /// Protects the warnings: they name the surface, and the scene is not rejected.

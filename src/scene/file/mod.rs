@@ -13,7 +13,7 @@ mod surfaces;
 mod tests;
 mod text;
 
-use super::check::NOT_A_ROOM;
+use super::check::{NOT_A_ROOM, no_such_group};
 use super::{Scene, SceneError, ValueRange};
 use crate::bands::Bands;
 use crate::file_input::{MalformedText, read_text};
@@ -222,7 +222,7 @@ impl SceneFile {
     }
 }
 
-/// Checks that all materials of surfaces and walls exist, and that only rooms have walls.
+/// Checks that all materials of surfaces, walls and faces exist, that only rooms have walls, and that the faces exist.
 fn check_materials(scene: &Scene) -> Result<(), Refused> {
     for (surface, of) in scene.surfaces.iter().enumerate() {
         let walls = of.walls.iter().enumerate();
@@ -237,6 +237,14 @@ fn check_materials(scene: &Scene) -> Result<(), Refused> {
             }
             let found = scene.find_material(name);
             found.map_err(|why| Refused::At(place, why))?;
+        }
+        let group = no_such_group(of);
+        for (face, (name, material)) in of.faces.iter().enumerate() {
+            let at = |why| Refused::At(Place::Face { surface, face }, why);
+            if let Some((_, why)) = group.as_ref().filter(|(unknown, _)| unknown == name) {
+                return Err(at(why.clone()));
+            }
+            scene.find_material(material).map_err(at)?;
         }
     }
     Ok(())
@@ -257,6 +265,10 @@ fn about_part(text: &str, error: &SpannedError) -> Option<String> {
         | Error::InvalidIdentifier(_)
         | Error::SuggestRawIdentifier(_) => {
             let (before, behind) = text.split_at(ron_error::offset(text, error.span.start)?);
+            if behind.trim_start().starts_with('#') {
+                // A comment of another language.
+                return None;
+            }
             how_written(before, behind)
         }
         _ => None,

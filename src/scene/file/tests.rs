@@ -276,6 +276,32 @@ fn told(shape: &str) -> String {
     Scene::from_ron(&text, "scene").unwrap_err().to_string()
 }
 
+/// Protects the line and column of a wrong material of faces.
+#[test]
+fn materials_of_faces_are_refused_at_their_place() {
+    let rooms = "Rooms(of: [(name: \"hall\", from: (0, 0, 0), to: (9, 3, 9))])";
+    for (shape, faces, sentence) in [
+        (
+            rooms,
+            "\n\"hal\": \"carpet\"",
+            "scene:3:8: the rooms have no box",
+        ),
+        (
+            rooms,
+            "\"hall/floor\": \"carpet\",\n \"hall\": \"carpt\"",
+            "scene:3:10: there is no material \"carpt\"; did you mean carpet?",
+        ),
+        (
+            "Plane",
+            "\n\"a\": \"carpet\"",
+            "scene:3:6: only the faces of a Mesh",
+        ),
+    ] {
+        let said = told(&format!("{shape}, faces: {{{faces}}}"));
+        assert!(said.starts_with(sentence), "{said}");
+    }
+}
+
 /// Protects the message about a shape in an incorrect form: it states the correct form.
 #[test]
 fn a_shape_is_told_by_its_name_and_how_it_is_written() {

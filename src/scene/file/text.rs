@@ -12,6 +12,7 @@ use ron::value::RawValue;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// The reason why a parsed file is rejected.
 pub(super) enum Refused {
@@ -28,6 +29,8 @@ pub(super) enum Place {
     Field(&'static str),
     /// The material of a surface (from 0), or of one of its walls.
     Material { surface: usize, wall: Option<usize> },
+    /// The material of a group of faces of a surface (from 0), as the index of the group in the order of names.
+    Face { surface: usize, face: usize },
     /// The end of the scene, where something is missing.
     End,
 }
@@ -76,6 +79,8 @@ struct SurfaceValues<'a> {
     material: Option<&'a RawValue>,
     #[serde(borrow)]
     walls: Option<Walls<&'a RawValue>>,
+    #[serde(borrow, default)]
+    faces: BTreeMap<String, &'a RawValue>,
 }
 
 /// A type whose deserialisation fails at the end of the text, to find the position of the end.
@@ -88,6 +93,12 @@ impl TryFrom<IgnoredAny> for Ended {
     fn try_from(_: IgnoredAny) -> Result<Ended, &'static str> {
         Err("the end")
     }
+}
+
+/// The values of the surface with this index.
+fn surface_values<'a>(fields: &RawFields<'a>, index: usize) -> Option<SurfaceValues<'a>> {
+    let surfaces: Vec<SurfaceValues> = fields.read("surfaces")?;
+    surfaces.into_iter().nth(index)
 }
 
 impl Place {
@@ -104,9 +115,12 @@ impl Place {
         match self {
             Place::Field(name) => fields.get(name),
             Place::End => None,
+            Place::Face { surface, face } => {
+                let faces = surface_values(fields, surface)?.faces;
+                faces.into_values().nth(face)
+            }
             Place::Material { surface, wall } => {
-                let surfaces: Vec<SurfaceValues> = fields.read("surfaces")?;
-                let surface = surfaces.into_iter().nth(surface)?;
+                let surface = surface_values(fields, surface)?;
                 match wall {
                     None => surface.material,
                     Some(wall) => surface.walls?.into_array()[wall],

@@ -74,7 +74,7 @@ fn mistakes_in_rooms_are_refused() {
         (
             DOOR,
             r#"faces: {"2/left": "marble"}"#,
-            "no box and no wall \"2/left\"",
+            "the wall \"2/left\" of the rooms is open to other boxes",
         ),
         (DOOR, r#"faces: {"hall": "marbel"}"#, "did you mean marble?"),
         (swapped, "", "with `from` less than `to` along each axis"),

@@ -3,6 +3,7 @@
 use super::super::exit::BadInput;
 use echomarch::Error;
 use echomarch::audio::{Sound, SoundSpec};
+use echomarch::internals::text::nearest;
 use echomarch::scene::Scene;
 use std::str::FromStr;
 
@@ -45,10 +46,10 @@ pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>
         Some((source, spec))
     };
     for sound in typed.iter().filter(|sound| own(sound).is_none()) {
-        let Some(spec) = &sound.for_all else {
-            return Err(unknown_source(scene, sound));
-        };
-        specs.fill(spec.clone());
+        match &sound.for_all {
+            Some(spec) if !is_missing_file(sound) => specs.fill(spec.clone()),
+            _ => return Err(unknown_source(scene, sound)),
+        }
     }
     for (source, spec) in typed.iter().filter_map(own) {
         specs[source] = spec;
@@ -69,12 +70,24 @@ pub fn names(specs: &[SoundSpec]) -> String {
     names.join(", ")
 }
 
+/// Whether the text is of the form `NAME=FILE`, and no file has this whole text as its name.
+fn is_missing_file(sound: &SourceSound) -> bool {
+    let missing = |spec: &SoundSpec| matches!(spec, SoundSpec::Wav { path } if !path.exists());
+    sound.for_one.is_some() && sound.for_all.as_ref().is_some_and(missing)
+}
+
 fn unknown_source(scene: &Scene, sound: &SourceSound) -> BadInput {
+    let names = scene.source_labels();
+    let nearest = sound.for_one.as_ref().and_then(|(name, _)| {
+        let names = names.iter().map(String::as_str);
+        nearest(name, names)
+    });
     BadInput(format!(
-        "--sound {:?} is neither a sound nor the sound of a source of {:?}; it has: {}",
+        "--sound {:?} is neither a sound nor the sound of a source of {:?}; it has: {}{}",
         sound.text,
         scene.name,
-        scene.source_labels().join(", ")
+        names.join(", "),
+        nearest.map_or_else(String::new, |name| format!("; did you mean {name}?"))
     ))
 }
 
@@ -103,7 +116,16 @@ mod tests {
         assert_eq!(unnamed, "noise:7, noise:3");
         let own = sounds(&["flute=sine:440", "noise:3"]).unwrap();
         assert_eq!(own, "noise:3, sine:440");
-        assert_eq!(sounds(&["a=b.wav"]).unwrap(), "a=b.wav");
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a=b.wav");
+        std::fs::write(&file, "").unwrap();
+        let file = file.to_str().unwrap();
+        assert_eq!(sounds(&[file]).unwrap(), file);
+        for wrong in ["flut=noise", "flut=none.wav"] {
+            let refused = sounds(&[wrong]).unwrap_err();
+            let said = "it has: 1, flute; did you mean flute?";
+            assert!(refused.ends_with(said), "{refused}");
+        }
         assert!(
             sounds(&["drum=noise"])
                 .unwrap_err()

@@ -368,7 +368,20 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     let report: Value = json(&[&["impulse", &inside][..], &many].concat());
     assert!(report["pairs"][0]["direct"].is_null());
     assert_eq!(report["pairs"][0]["paths"], Value::Array(Vec::new()));
-    assert_eq!(report["pairs"][0]["notes"][0], "nothing arrives");
+    let why = "nothing arrives: the source is inside a solid";
+    assert_eq!(report["pairs"][0]["notes"][0], why);
+    // A wall without openings.
+    let shut = scene(
+        "shut.ron",
+        "Surface(shape: Room(size: (20, 3, 4))), Surface(shape: Box(size: (1, 3, 4)))",
+        "(-5, 0, 0)",
+    );
+    let report: Value = json(&[&["impulse", &shut][..], &many].concat());
+    let note = report["pairs"][0]["notes"][0].to_string();
+    assert!(
+        note.contains("a closed door between source and listener"),
+        "{note}"
+    );
     // The upper edge of the box hides the centre of the sphere but not its top.
     let behind = scene(
         "half.ron",

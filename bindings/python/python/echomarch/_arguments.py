@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Optional, Tuple
+import os
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
 
 from ._errors import SettingsError
 
@@ -61,6 +64,44 @@ def triple(name: str, takes: str, given: Any) -> Tuple[float, float, float]:
         return real(name, takes, x), real(name, takes, y), real(name, takes, z)
     except (TypeError, ValueError, SettingsError):
         raise refused(name, takes, given) from None
+
+
+def shares(name: str, given: Any) -> List[float]:
+    """Return the shares of the eight octave bands, given as one share of 0 to 1 or as eight, after a check."""
+    takes = "one share of 0 to 1, or 8 for the octave bands"
+    try:
+        bands = [given] * 8 if np.ndim(given) == 0 else list(given)
+        numbers = [real(name, takes, each) for each in bands]
+    except (TypeError, ValueError):
+        raise refused(name, takes, given) from None
+    if len(numbers) != 8 or not all(0.0 <= each <= 1.0 for each in numbers):
+        raise refused(name, takes, given)
+    return numbers
+
+
+def path(name: str, given: Any) -> str:
+    """Return a path as a text after a check."""
+    try:
+        text = os.fspath(given)
+    except TypeError:
+        text = None
+    if not isinstance(text, str) or "\0" in text:
+        raise refused(name, "a path", given)
+    return text
+
+
+def mapping(name: str, takes: str, given: Any) -> Dict[str, Any]:
+    """Return a dictionary with texts as keys after a check."""
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise refused(name, takes, given)
+    return dict(given)
+
+
+def choice(name: str, choices: Sequence[str], given: Any) -> str:
+    """Return one of a few words after a check."""
+    if not isinstance(given, str) or given not in choices:
+        raise refused(name, " or ".join(choices), given)
+    return given
 
 
 def optional_real(name: str, takes: str, given: Any) -> Optional[float]:

@@ -7,14 +7,17 @@ from typing import Sequence, Tuple
 import numpy as np
 import numpy.typing as npt
 
+from . import _arguments
 from ._errors import SettingsError
 
 AXES = ("echomarch", "pyfar")
 
+_VECTORS = "an array of numbers with 3 columns"
+
 
 def checked(axes: str) -> str:
     """Return the name of the axes after a check."""
-    if axes not in AXES:
+    if not isinstance(axes, str) or axes not in AXES:
         raise SettingsError(f"there are no axes {axes!r}: use echomarch or pyfar")
     return axes
 
@@ -32,7 +35,7 @@ def to_pyfar(vectors: npt.ArrayLike) -> npt.NDArray[np.float64]:
     numpy.ndarray, shape (..., 3)
         x ahead, y to the left, z up.
     """
-    given = np.asarray(vectors, dtype=np.float64)
+    given = _vectors(vectors)
     return np.stack([-given[..., 2], -given[..., 0], given[..., 1]], axis=-1) + 0.0
 
 
@@ -49,8 +52,19 @@ def from_pyfar(vectors: npt.ArrayLike) -> npt.NDArray[np.float64]:
     numpy.ndarray, shape (..., 3)
         x to the right, y up, z backwards.
     """
-    given = np.asarray(vectors, dtype=np.float64)
+    given = _vectors(vectors)
     return np.stack([-given[..., 1], given[..., 2], -given[..., 0]], axis=-1) + 0.0
+
+
+def _vectors(given: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return an array of vectors after a check."""
+    try:
+        vectors = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise _arguments.refused("vectors", _VECTORS, given) from None
+    if vectors.shape[-1:] != (3,):
+        raise _arguments.refused("vectors", _VECTORS, given)
+    return vectors
 
 
 def given_in(axes: str, vectors: npt.ArrayLike) -> npt.NDArray[np.float64]:

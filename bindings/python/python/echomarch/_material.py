@@ -83,7 +83,11 @@ def number(name: str, takes: str, value: float) -> str:
 def _in_notation(name: str, value: PerBand) -> str:
     """Return one number or a list of numbers in the notation of scene files, after a check."""
     takes = _TAKES[name]
-    if isinstance(value, str) or np.ndim(value) == 0 or name not in _PER_BAND:
+    try:
+        is_one = isinstance(value, str) or np.ndim(value) == 0 or name not in _PER_BAND
+    except ValueError:
+        raise _arguments.refused(name, takes, value) from None
+    if is_one:
         return number(name, takes, value)  # type: ignore[arg-type]
     return f"[{', '.join(number(name, takes, each) for each in value)}]"  # type: ignore[union-attr]
 

@@ -6,7 +6,7 @@ import os
 import sys
 from typing import List, Optional, Tuple
 
-from . import _echomarch
+from . import _arguments, _echomarch
 
 _chosen: Tuple[str, Optional[int]] = ("gl", None)
 
@@ -22,6 +22,8 @@ def use_renderer(gl: str = "gl", gpu: Optional[int] = None) -> None:
         Number of the EGL device, from 0; the first that works by default.
     """
     global _chosen
+    _arguments.text("gl", "the name of an OpenGL interface", gl)
+    _arguments.optional_whole("gpu", "the number of a device, from 0", gpu)
     _echomarch.choose_renderer(gl, gpu)
     _chosen = (gl, gpu)
     _choose_field_trial()

@@ -182,8 +182,11 @@ def settings_of_response(
 
 
 def checked(given: Dict[str, Any]) -> Dict[str, Any]:
-    """Return settings after a check of their types. The extension module refuses unknown names and bad ranges."""
-    return {name: _SETTINGS[name](name, value) if name in _SETTINGS else value for name, value in given.items()}
+    """Return settings after a check of their names and types. The extension module refuses bad ranges."""
+    for name in given:
+        if name not in _SETTINGS:
+            raise SettingsError(f"there is no setting {name!r}; there are: {', '.join(_SETTINGS)}")
+    return {name: _SETTINGS[name](name, value) for name, value in given.items()}
 
 
 def traced(
@@ -482,8 +485,16 @@ def write_sofa(
     rate, format, sofa, seed, order
         As in :meth:`Response.ir`.
     """
-    heard = [response._heard for response in responses]
-    _echomarch.Heard.write_sofa(os.fspath(file), heard, *_impulse_settings(rate, format, sofa, seed, order))
+    takes = "a list of responses"
+    if not hasattr(responses, "__iter__"):
+        raise _arguments.refused("responses", takes, responses)
+    heard = []
+    for each in responses:
+        if not isinstance(each, Response):
+            raise _arguments.refused("responses", takes, responses)
+        heard.append(each._heard)
+    path = _arguments.path("file", file)
+    _echomarch.Heard.write_sofa(path, heard, *_impulse_settings(rate, format, sofa, seed, order))
 
 
 def _impulse_settings(
@@ -494,7 +505,7 @@ def _impulse_settings(
         _arguments.whole("rate", "a whole number of samples per second", rate),
         _arguments.text("format", "the name of a format", format),
         _arguments.optional_whole("order", "a whole number, 1 to 7", order),
-        None if sofa is None else os.fspath(sofa),
+        None if sofa is None else _arguments.path("sofa", sofa),
         _arguments.optional_whole("seed", _SEED, seed),
     )
 

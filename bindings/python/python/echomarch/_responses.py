@@ -66,7 +66,7 @@ def responses(
     if _arguments.whole("workers", "a whole number of processes", workers) < 1:
         raise SettingsError(f"workers must be 1 or more, not {workers}")
     given = settings_of_response(**settings)
-    chosen = [item if isinstance(item, tuple) else (item, None, None) for item in items]
+    chosen = _checked(items)
     groups = _groups(chosen)
     for group in groups:
         warn(group.scene._raw.warnings_of_pairs(group.source, group.listeners))
@@ -84,6 +84,18 @@ def responses(
     found = [in_order[place] for place in range(len(chosen))]
     warn(text for response in found for text in response._heard.warnings())
     return found
+
+
+def _checked(items: Any) -> List[Tuple[Any, ...]]:
+    """Return the items as triples after a check."""
+    takes = "a list of scenes or of (scene, source, listener), such as scene.pairs()"
+    if isinstance(items, (str, bytes)) or not hasattr(items, "__iter__"):
+        raise _arguments.refused("items", takes, items)
+    chosen = [item if isinstance(item, tuple) else (item, None, None) for item in items]
+    for item in chosen:
+        if len(item) != 3:
+            raise _arguments.refused("an item", "a scene or (scene, source, listener)", item)
+    return chosen
 
 
 def _groups(items: List[Tuple[Any, ...]]) -> List[_Group]:

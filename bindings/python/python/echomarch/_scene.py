@@ -74,7 +74,7 @@ class Scene:
     """
 
     def __init__(self, name_or_file: AnyPath, *, axes: str = "echomarch") -> None:
-        self._begin(axes, "load", os.fspath(name_or_file))
+        self._begin(axes, "load", _arguments.path("the name or file of a scene", name_or_file))
 
     def _begin(self, axes: str, start: str, *arguments: Any) -> None:
         self._axes = _axes.checked(axes)
@@ -111,12 +111,13 @@ class Scene:
         axes : {"echomarch", "pyfar"}
             The axes of the returned object. The text has the axes of scene files.
         """
-        return cls._of(axes, "from_ron", text, "text", os.fspath(folder))
+        text = _arguments.text("text", "the text of a scene file", text)
+        return cls._of(axes, "from_ron", text, "text", _arguments.path("folder", folder))
 
     @classmethod
     def empty(cls, name: str = "scene", *, axes: str = "echomarch") -> "Scene":
         """Return a scene without surfaces, sources and listeners."""
-        return cls._of(axes, "empty", name)
+        return cls._of(axes, "empty", _arguments.text("name", "a text", name))
 
     @classmethod
     def shoebox(
@@ -155,7 +156,8 @@ class Scene:
         extent = _vector("size", "lengths in m", list(np.abs(_axes.given_in(axes, lengths))))
         scene._do("add_surface", f'name: "room", shape: Room(size: {extent})', "the room", "")
         if isinstance(absorption, Mapping):
-            for wall, material in absorption.items():
+            walls = _arguments.mapping("absorption", "a material, or a dictionary of materials by wall", absorption)
+            for wall, material in walls.items():
                 scene.set_material("room", material, part=wall)
         else:
             scene.set_material("room", absorption)
@@ -195,18 +197,18 @@ class Scene:
         UserWarning
             For each defect of the mesh that changes what is heard.
         """
-        if inside not in (None, "air", "solid"):
-            raise SettingsError(f"inside must be air or solid, not {inside!r}")
-        if up not in ("y", "z"):
-            raise SettingsError(f"up must be y or z, not {up!r}")
-        path = os.fspath(file)
+        if inside is not None:
+            _arguments.choice("inside", ("air", "solid"), inside)
+        _arguments.choice("up", ("y", "z"), up)
+        path = _arguments.path("file", file)
+        takes = "a dictionary of materials by the names of groups"
+        known = {} if materials is None else _arguments.mapping("materials", takes, materials)
         scene = cls.empty(os.path.splitext(os.path.basename(path))[0], axes=axes)
         is_hollow = None if inside is None else inside == "air"
         turns = -1 if up == "z" else 0
         groups, warned = scene._do("add_mesh", "mesh", path, is_hollow, _arguments.real("scale", "a number of m", scale), turns)
         for text in warned:
             _warn(f"{path}: {text}")
-        known = dict(materials or {})
         unknown = sorted(set(known) - set(groups))
         if unknown:
             raise SettingsError(f"the mesh {path} has no group {unknown[0]!r}; it has: {', '.join(groups)}")
@@ -223,6 +225,10 @@ class Scene:
         copied._calls = list(self._calls)
         copied._materials = dict(self._materials)
         return copied
+
+    def _become(self, changed: "Scene") -> None:
+        """Take over a changed copy of this scene. A change of several steps is then made as a whole or not at all."""
+        self.__dict__.update(changed.__dict__)
 
     __copy__ = copy
 
@@ -270,26 +276,45 @@ class Scene:
         folder : path
             The folder of files that the shape names.
         """
-        if not isinstance(position, str) and any(isinstance(each, str) for each in position):
+        if isinstance(position, (list, tuple)) and any(isinstance(each, str) for each in position):
             if self._axes != "echomarch":
                 raise SettingsError("a position with a text needs the axes of scene files, not those of pyfar")
-            place: Sequence[Union[float, str]] = list(position)
+            if len(position) != 3:
+                raise _arguments.refused("the position of a surface", f"three numbers, {_PLACE}", position)
+            place: Sequence[Union[float, str]] = position
         else:
             place = self._place("the position of a surface", position)
         label = name if name is not None else str(len(self.surfaces) + 1)
         fields = [
             f"shape: {_arguments.text('shape', 'a text in the notation of scene files', shape)}",
             f"position: {_vector('the position of a surface', _PLACE, place)}",
-            f"rotation: {_vector('the rotation of a surface', 'angles in degrees', rotation)}",
+            f"rotation: {self._rotation(rotation)}",
         ]
         if name is not None:
             fields.insert(0, f"name: {_quoted(name)}")
         # A wrong material leaves the scene as it was.
         changed = self.copy()
-        changed._do("add_surface", ", ".join(fields), f"the surface {label}", os.fspath(folder))
+        changed._do("add_surface", ", ".join(fields), f"the surface {label}", _arguments.path("folder", folder))
         if material is not None:
             changed.set_material(label, material)
-        self.__dict__.update(changed.__dict__)
+        self._become(changed)
+
+    @staticmethod
+    def _rotation(rotation: Sequence[Union[float, str]]) -> str:
+        if isinstance(rotation, (list, tuple)) and len(rotation) == 3 and any(isinstance(each, str) for each in rotation):
+            return _vector("the rotation of a surface", "angles in degrees", rotation)
+        angles = _arguments.triple("the rotation of a surface", "angles in degrees", rotation)
+        return _vector("the rotation of a surface", "angles in degrees", angles)
+
+    def remove_surface(self, surface: Union[str, int]) -> None:
+        """Remove a surface. Its material remains in the scene, for other surfaces.
+
+        Parameters
+        ----------
+        surface : str or int
+            Name of the surface, or its number from 1. The numbers of the surfaces after it become one less.
+        """
+        self._do("remove_surface", _label("surface", surface))
 
     def add_material(self, name: str, material: Union[PerBand, Material]) -> None:
         """Add a material, or replace the material of this name.
@@ -301,17 +326,18 @@ class Scene:
         material : float, 8 floats or Material
             The absorption, or the whole material.
         """
+        _arguments.text("the name of a material", "a text", name)
         if not isinstance(material, Material):
             material = Material(material)
         self._do("add_material", name, material._fields(self._scattering), f"the material {name}")
         self._materials[name] = material
 
-    def set_material(self, surface: str, material: AnyMaterial, *, part: Optional[str] = None) -> None:
+    def set_material(self, surface: Union[str, int], material: AnyMaterial, *, part: Optional[str] = None) -> None:
         """Give a surface, or a part of it, a material.
 
         Parameters
         ----------
-        surface : str
+        surface : str or int
             Name of the surface, or its number from 1.
         material : float, 8 floats, str or Material
             An absorption, the name of a built-in or added material, or a material.
@@ -319,11 +345,13 @@ class Scene:
             A wall of a room ("floor"), a box of rooms ("hall") or one of its walls ("hall/floor"), or a group of faces
             of a mesh.
         """
+        surface = _label("surface", surface)
+        if part is not None:
+            _arguments.text("part", "the name of a part of the surface", part)
         if isinstance(material, str):
             self._raw.check_material(material, f"the surface {surface}")
         else:
-            name = surface if part is None else f"{surface}/{part}"
-            self._raw.copy().set_material(surface, part, name)
+            name = self._raw.material_name(surface, part, surface if part is None else f"{surface}/{part}")
             self.add_material(name, material)
             material = name
         self._do("set_material", surface, part, material)
@@ -335,14 +363,14 @@ class Scene:
 
     @scattering.setter
     def scattering(self, scattering: PerBand) -> None:
-        takes = "one share of 0 to 1, or 8 for the octave bands"
-        given: List[Any] = [scattering] * 8 if np.ndim(scattering) == 0 else list(scattering)  # type: ignore[arg-type]
-        if len(given) != 8:
-            raise _arguments.refused("scattering", takes, scattering)
-        self._do("set_scattering", [_arguments.real("scattering", takes, each) for each in given])
-        self._scattering = scattering
-        for name, material in list(self._materials.items()):
-            self.add_material(name, material)
+        bands = _arguments.shares("scattering", scattering)
+        # A material that is refused leaves the scene as it was.
+        changed = self.copy()
+        changed._do("set_scattering", bands)
+        changed._scattering = bands[0] if np.ndim(scattering) == 0 else bands
+        for name, material in self._materials.items():
+            changed.add_material(name, material)
+        self._become(changed)
 
     def set_air(
         self,
@@ -414,7 +442,7 @@ class Scene:
             f"level_db: {number('level_db', 'a level in dB', level_db)}",
             f"directivity: {_arguments.text('directivity', 'a text in the notation of scene files', directivity)}",
         ]
-        self._do("add_source", ", ".join(fields), f"the source {name}", os.fspath(folder))
+        self._do("add_source", ", ".join(fields), f"the source {name}", _arguments.path("folder", folder))
 
     def add_listener(
         self,
@@ -452,6 +480,26 @@ class Scene:
         ]
         self._do("add_listener", ", ".join(fields), f"the listener {name}")
 
+    def remove_source(self, source: Union[str, int]) -> None:
+        """Remove a source.
+
+        Parameters
+        ----------
+        source : str or int
+            Name of the source, or its number from 1. The numbers of the sources after it become one less.
+        """
+        self._do("remove_source", _label("source", source))
+
+    def remove_listener(self, listener: Union[str, int]) -> None:
+        """Remove a listener.
+
+        Parameters
+        ----------
+        listener : str or int
+            Name of the listener, or its number from 1. The numbers of the listeners after it become one less.
+        """
+        self._do("remove_listener", _label("listener", listener))
+
     def clear_sources(self) -> None:
         """Remove all sources."""
         self._do("clear_sources")
@@ -478,11 +526,14 @@ class Scene:
 
     def set(self, **values: float) -> None:
         """Set named values in the unit of the scene file (m, degrees): ``scene.set(door=90)``."""
+        changed = self.copy()
         for name, value in values.items():
-            self.set_value(name, value)
+            changed.set_value(name, value)
+        self._become(changed)
 
     def set_value(self, name: str, value: float) -> None:
         """Set one named value; the name may be any text."""
+        _arguments.text("name", "the name of a value", name)
         self._do("set_value", name, _arguments.real(f"the value {name}", "a number in m or degrees", value))
 
     def at(self, seconds: float) -> "Scene":
@@ -556,7 +607,7 @@ class Scene:
 
     def save(self, file: AnyPath) -> None:
         """Write a scene file. File names in it are those that the scene was made with."""
-        with open(file, "w", encoding="utf-8") as out:
+        with open(_arguments.path("file", file), "w", encoding="utf-8") as out:
             out.write(self.to_ron())
 
     def __repr__(self) -> str:
@@ -587,14 +638,22 @@ def chosen_pair(scene: Any, source: Union[str, int, None], listener: Union[str, 
     return scene._pair(source, listener)
 
 
+def _label(what: str, given: Any) -> str:
+    """Return the name, or the number from 1, of a part of a scene as a text, after a check."""
+    if isinstance(given, str):
+        return given
+    return str(_arguments.whole(what, f"the name or the number of a {what}", given))
+
+
 def _chosen(what: str, labels: List[str], wanted: Union[str, int, None]) -> int:
     """Return the index of a source or listener, given by name, number from 1, or not at all if there is only one."""
     if wanted is None and len(labels) == 1:
         return 0
     if wanted is not None and str(wanted) in labels:
         return labels.index(str(wanted))
-    if isinstance(wanted, int) and 1 <= wanted <= len(labels):
-        return wanted - 1
+    number = getattr(wanted, "__index__", lambda: 0)()
+    if 1 <= number <= len(labels):
+        return number - 1
     if not labels:
         raise SettingsError(f"the scene has no {what}: add one with add_{what}")
     known = ", ".join(labels)

@@ -31,7 +31,7 @@ class Study:
     """
 
     def __init__(self, file: AnyPath) -> None:
-        self._file = os.fspath(file)
+        self._file = _arguments.path("file", file)
         self._raw = _echomarch.Study(self._file)
 
     @property
@@ -72,7 +72,7 @@ class Study:
         if _arguments.whole("workers", "a whole number of processes", workers) < 1:
             raise SettingsError(f"workers must be 1 or more, not {workers}")
         if folder is not None:
-            return self._computed(os.fspath(folder), workers, progress)
+            return self._computed(_arguments.path("folder", folder), workers, progress)
         with tempfile.TemporaryDirectory() as temporary:
             return self._computed(temporary, workers, progress)
 

@@ -66,6 +66,8 @@ def trace(
     """
     pair = chosen_pair(scene, source, listener)
     given = checked({"waves": waves, "seed": seed, "profile": profile, "directions": directions})
+    if waves is None:
+        raise _arguments.refused("waves", "a whole number of waves", waves)
     count = _arguments.whole("iterations", "a whole number of iterations", iterations)
     found: Any = _echomarch.trace(
         scene._raw, *pair, given["waves"], count, given["seed"], given["profile"], given["directions"]
