@@ -353,7 +353,8 @@ impl Echogram {
             return 0.0;
         }
         let later = self.bins_from(from_s);
-        let sum: f64 = later.clone().map(|bin| self.energy(bin)[band]).sum();
+        let in_bin = |bin: usize| -> f64 { self.in_bin(bin).iter().map(|of| of[band]).sum() };
+        let sum: f64 = later.clone().map(in_bin).sum();
         let squares = self.squares(band, later);
         if squares > 0.0 {
             sum * sum / squares

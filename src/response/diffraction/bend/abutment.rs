@@ -19,6 +19,9 @@ const ON_LEG: [f64; 2] = [0.1, 0.5];
 /// Greatest angle in radians between the edges and the normal of the face. Directions of edges have errors of up to 1e-3.
 const SKEW: f64 = 2e-3;
 
+/// Maximum number of images of a point between a floor and a ceiling: up to 16 heights of the room.
+const MOST_IMAGES: u32 = 16;
+
 /// A face at right angles to the edges of a way, in which all of them end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Abutment {
@@ -100,6 +103,21 @@ impl Abutment {
         let met = space.between(front, behind);
         met.is_none_or(|met| is_on_face(met.metres))
     }
+}
+
+/// The image, in front of all faces, of a point on an edge, and how far it may lie from the edge's image in metres, because
+/// edges are not exactly at right angles to the faces.
+pub(super) fn in_front(faces: &[Abutment], point: DVec3) -> (DVec3, f64) {
+    let (mut point, mut skew_m) = (point, 0.0);
+    for _ in 0..MOST_IMAGES {
+        let Some(face) = faces.iter().find(|face| face.is_behind(point)) else {
+            break;
+        };
+        let depth_m = face.depth_m(point);
+        point -= face.inwards * (2.0 * depth_m);
+        skew_m += SKEW * depth_m;
+    }
+    (point, skew_m)
 }
 
 /// The points of a way in the cross-section with a coordinate of `at_m` metres along its edges, with this share of the outer

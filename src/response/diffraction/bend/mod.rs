@@ -217,12 +217,13 @@ impl Bend {
         self.is_within(space, 0.0, &[])
     }
 
-    /// Whether all edges lie within `height` metres of surfaces or behind these faces, and the legs are free up to the faces.
+    /// Whether all edges, or their images in these faces, lie within `height` metres of surfaces, and the legs are free up to
+    /// the faces.
     fn is_within(&self, space: &impl Space, height: f64, faces: &[Abutment]) -> bool {
         let error = ON_SURFACE * self.length_m;
         self.turns.iter().all(|turn| {
-            let is_behind = faces.iter().any(|face| face.is_behind(turn.apex));
-            is_behind || space.distance(turn.apex).abs() <= error + height
+            let (point, skew_m) = abutment::in_front(faces, turn.apex);
+            space.distance(point).abs() <= error + height + skew_m
         }) && self.is_free(space, error, faces)
     }
 
