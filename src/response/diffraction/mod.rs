@@ -33,6 +33,7 @@ mod edge;
 mod energies;
 mod errors;
 mod face;
+mod images;
 mod interference;
 mod lit;
 mod mirrored;

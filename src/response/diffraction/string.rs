@@ -234,6 +234,11 @@ impl HalfPlanes {
         self.string_within(space, azimuth, FINE, (&FURTHER_FEET, true))
     }
 
+    /// The same with the error and the effort of one of many half-planes.
+    pub fn coarse_string(&self, space: &impl Space, azimuth: f64) -> Option<TautString> {
+        self.string_within(space, azimuth, COARSE, (&[], false))
+    }
+
     fn string_within(
         &self,
         space: &impl Space,

@@ -1,7 +1,9 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
-use super::bend::Bend;
+use super::bend::{Abutment, Bend};
+use super::edge::ON_SURFACE;
 use super::errors::{GAP_ERRORS_DB, errors_of_bend_db};
+use super::images::Images;
 use super::interference::Sound;
 use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
@@ -93,13 +95,16 @@ pub(super) struct Opposite {
 impl Ways {
     pub fn around(space: &impl Space, planes: &HalfPlanes) -> Ways {
         let apart_m = planes.apart_m();
-        let strings = planes.strings(space);
+        let mut strings = planes.strings(space);
         let detour = |string: &TautString| string.length_m() - apart_m;
         let mut detours: Detours = std::array::from_fn(|index| strings[index].as_ref().map(detour));
         let bends = |basin: &Basin| Bend::of(space, planes, basin.shortest as f64 * STEP);
         let found: Vec<Bend> = Basin::all(&detours).iter().filter_map(bends).collect();
         for bend in &found {
-            add_lines(space, planes, bend, &mut detours);
+            match bend.is_narrow() {
+                true => add_lines(space, planes, bend, &mut detours),
+                false => add_images(space, planes, bend, (&mut strings, &mut detours)),
+            }
         }
         let mut bends: Vec<Way> = Vec::new();
         let mut border = Vec::new();
@@ -491,5 +496,32 @@ fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut
     for ((index, azimuth), is_free) in missing.into_iter().zip(azimuths).zip(are_free) {
         let length = bend.length_over_lines(planes, azimuth).filter(|_| is_free);
         detours[index] = length.map(|length| length - planes.apart_m());
+    }
+}
+
+/// Adds the strings around a round body in half-planes where a floor or a ceiling is in the way, in which the body ends.
+fn add_images(
+    space: &impl Space,
+    planes: &HalfPlanes,
+    bend: &Bend,
+    (strings, detours): (&mut [Option<TautString>], &mut Detours),
+) {
+    let faces = Abutment::of(space, bend);
+    if faces.is_empty() {
+        return;
+    }
+    let images = Images {
+        space,
+        faces: &faces,
+        error_m: ON_SURFACE * bend.length_m,
+    };
+    for (index, (known, detour)) in strings.iter_mut().zip(detours).enumerate() {
+        if detour.is_some() || !planes.is_sought(index) {
+            continue;
+        }
+        *known = planes.coarse_string(&images, index as f64 * STEP);
+        *detour = known
+            .as_ref()
+            .map(|string| string.length_m() - planes.apart_m());
     }
 }

@@ -1,4 +1,4 @@
-//! Faces at right angles to edges, in which the edges end: floor and ceiling at the corner of a corridor.
+//! Faces at right angles to edges and pillars, in which these end: floor and ceiling at the corner of a corridor.
 //!
 //! Behind such a face an edge is continued by its own mirror image. For the sound that the face does not reflect the edge
 //! therefore has no end there (Allen and Berkley 1979 for the images).
@@ -19,12 +19,9 @@ const ON_LEG: [f64; 2] = [0.1, 0.5];
 /// Greatest angle in radians between the edges and the normal of the face. Directions of edges have errors of up to 1e-3.
 const SKEW: f64 = 2e-3;
 
-/// Maximum number of images of a point between a floor and a ceiling: up to 16 heights of the room.
-const MOST_IMAGES: u32 = 16;
-
 /// A face at right angles to the edges of a way, in which all of them end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Abutment {
+pub(in crate::response::diffraction) struct Abutment {
     /// Unit vector along the edges, into the face.
     inwards: DVec3,
     /// Coordinate of the face along this vector, in metres.
@@ -32,21 +29,23 @@ pub(super) struct Abutment {
 }
 
 impl Abutment {
-    /// The faces in which the edges of a way end, at most one on either side. `height_m` is the distance of the turns from
-    /// the solid: 0 at sharp edges.
-    pub fn of(space: &impl Space, bend: &Bend, height_m: f64) -> Vec<Abutment> {
+    /// Maximum number of images of a point between a floor and a ceiling: up to 16 heights of the room.
+    pub const MOST_IMAGES: u32 = 16;
+
+    /// The faces in which the edges of a way, or the round bodies that it follows, end: at most one on either side.
+    pub fn of(space: &impl Space, bend: &Bend) -> Vec<Abutment> {
         let Some(first) = bend.edges.first().filter(|_| bend.has_parallel_edges()) else {
             return Vec::new();
         };
         let sides = [first.along, -first.along].into_iter();
         sides
-            .filter_map(|inwards| Abutment::beyond(space, bend, inwards, height_m))
+            .filter_map(|inwards| Abutment::beyond(space, bend, inwards))
             .collect()
     }
 
     /// The face on one side; `None` if there is none, if it is not at right angles to the edges, or if the edges end in front
     /// of it.
-    fn beyond(space: &impl Space, bend: &Bend, inwards: DVec3, height_m: f64) -> Option<Abutment> {
+    fn beyond(space: &impl Space, bend: &Bend, inwards: DVec3) -> Option<Abutment> {
         let inner = &bend.points[1..bend.points.len() - 1];
         let from_m = inner.iter().map(|point| point.dot(inwards));
         let from_m = from_m.fold(f64::NEG_INFINITY, f64::max);
@@ -66,11 +65,16 @@ impl Abutment {
             .flat_map(|share| ends_of(&section(bend, inwards, from_m, share)));
         let has_edges = |index: u32| {
             let from_way_m = depth_m * (f64::from(index) + 0.5) / f64::from(SECTIONS);
-            let points = section(bend, inwards, from_m + from_way_m, ON_LEG[1]);
-            let way = bend.clone().moved_to(points);
-            let most_m = error_m + height_m + SKEW * from_way_m;
-            let is_on_solid = |turn: &Turn| space.distance(turn.apex).abs() <= most_m;
-            way.turns.iter().all(is_on_solid) && way.is_free(space, most_m, &[])
+            let at_m = from_m + from_way_m;
+            let most_m = error_m + SKEW * from_way_m;
+            let is_on_solid = |turn: &Turn| {
+                let point = turn.middle + inwards * (at_m - turn.middle.dot(inwards));
+                space.distance(point).abs() <= most_m
+            };
+            let way = bend
+                .clone()
+                .moved_to(section(bend, inwards, at_m, ON_LEG[1]));
+            bend.turns.iter().all(is_on_solid) && way.is_free(space, most_m, &[])
         };
         (beside.into_iter().all(is_right_angle) && (0..SECTIONS).all(has_edges)).then_some(
             Abutment {
@@ -90,6 +94,37 @@ impl Abutment {
         self.depth_m(point) > 0.0
     }
 
+    /// Whether a line in this direction enters the face at a point.
+    pub fn is_entered(&self, point: DVec3, direction: DVec3, error_m: f64) -> bool {
+        direction.dot(self.inwards) > 0.0 && self.depth_m(point).abs() <= error_m
+    }
+
+    /// A line after its reflection at a point of the face: a point just in front of it, and the direction.
+    pub fn reflected(&self, point: DVec3, direction: DVec3, error_m: f64) -> (DVec3, DVec3) {
+        let lifted = point - self.inwards * (self.depth_m(point) + error_m);
+        (lifted, direction.reflect(self.inwards))
+    }
+
+    /// The image, in front of all faces, of a point and a direction.
+    pub fn in_front(faces: &[Abutment], point: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        let (mut point, mut direction) = (point, direction);
+        for _ in 0..Abutment::MOST_IMAGES {
+            let Some(face) = faces.iter().find(|face| face.is_behind(point)) else {
+                break;
+            };
+            point -= face.inwards * (2.0 * face.depth_m(point));
+            direction = direction.reflect(face.inwards);
+        }
+        (point, direction)
+    }
+
+    /// How far the image of a point on an edge may lie from the edge in metres: its direction is not exactly at right angles
+    /// to the faces.
+    pub fn skew_m(faces: &[Abutment], point: DVec3) -> f64 {
+        let depths = faces.iter().map(|face| face.depth_m(point));
+        SKEW * depths.fold(0.0, f64::max)
+    }
+
     /// Whether the straight way between two points is free in front of the face. Behind it lie images.
     pub fn is_free_up_to(&self, space: &impl Space, leg: [DVec3; 2], error_m: f64) -> bool {
         let (front, behind) = match leg.map(|end| self.is_behind(end)) {
@@ -103,21 +138,6 @@ impl Abutment {
         let met = space.between(front, behind);
         met.is_none_or(|met| is_on_face(met.metres))
     }
-}
-
-/// The image, in front of all faces, of a point on an edge, and how far it may lie from the edge's image in metres, because
-/// edges are not exactly at right angles to the faces.
-pub(super) fn in_front(faces: &[Abutment], point: DVec3) -> (DVec3, f64) {
-    let (mut point, mut skew_m) = (point, 0.0);
-    for _ in 0..MOST_IMAGES {
-        let Some(face) = faces.iter().find(|face| face.is_behind(point)) else {
-            break;
-        };
-        let depth_m = face.depth_m(point);
-        point -= face.inwards * (2.0 * depth_m);
-        skew_m += SKEW * depth_m;
-    }
-    (point, skew_m)
 }
 
 /// The points of a way in the cross-section with a coordinate of `at_m` metres along its edges, with this share of the outer

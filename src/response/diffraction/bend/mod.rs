@@ -12,7 +12,7 @@ use super::space::Space;
 use super::string::{self, HalfPlanes, TautString};
 use super::turn::Turn;
 use super::wedge::Wedge;
-use abutment::Abutment;
+pub(super) use abutment::Abutment;
 use glam::DVec3;
 use num_complex::Complex64;
 use remembered::Remembered;
@@ -205,7 +205,7 @@ impl Bend {
     }
 
     /// Whether all turns are at edges, or at roundings that are much smaller than the legs.
-    fn is_narrow(&self) -> bool {
+    pub fn is_narrow(&self) -> bool {
         let turns = self.turns.iter().enumerate();
         turns
             .into_iter()
@@ -222,7 +222,8 @@ impl Bend {
     fn is_within(&self, space: &impl Space, height: f64, faces: &[Abutment]) -> bool {
         let error = ON_SURFACE * self.length_m;
         self.turns.iter().all(|turn| {
-            let (point, skew_m) = abutment::in_front(faces, turn.apex);
+            let (point, _) = Abutment::in_front(faces, turn.apex, DVec3::ZERO);
+            let skew_m = Abutment::skew_m(faces, turn.apex);
             space.distance(point).abs() <= error + height + skew_m
         }) && self.is_free(space, error, faces)
     }
@@ -335,7 +336,7 @@ impl Bend {
         // The legs before and after a rounding meet above it, higher where they turn more.
         let heights = self.turns.iter().map(|turn| space.distance(turn.apex));
         let height = 2.0 * heights.fold(0.0, f64::max);
-        let faces = Abutment::of(space, self, height);
+        let faces = Abutment::of(space, self);
         let is_free = |azimuth: &f64| {
             self.points_on_lines(planes, *azimuth)
                 .is_some_and(|points| {
