@@ -156,6 +156,44 @@ fn a_bent_path_leads_round_the_corner_of_a_narrow_corridor() {
     }
 }
 
+/// Protects pillars between a floor and a ceiling: behind them the unreflected sound is that behind an endless pillar.
+#[test]
+fn levels_behind_a_pillar_in_a_room_are_those_behind_an_endless_one() {
+    let mut tracer = tracer();
+    let mut levels = |room: &str, [source, listener]: [&str; 2], radius: f64| -> [f64; 8] {
+        let text = format!(
+            "Scene(surfaces: [{room}Surface(shape: Cylinder(radius: {radius}))], \
+             source: Source(position: {source}), listener: Listener(position: {listener}, radius: 0.05))"
+        );
+        let paths = response(&mut tracer, &text, true).paths;
+        let unreflected = || {
+            let all = paths.iter();
+            all.filter(|path| path.kind == PathKind::Diffracted && path.reflections.is_empty())
+        };
+        std::array::from_fn(|band| {
+            10.0 * unreflected()
+                .map(|path| path.energy[band])
+                .sum::<f64>()
+                .log10()
+        })
+    };
+    let room = "Surface(shape: Room(size: (60, 2.6, 60))), ";
+    let places = [
+        (1.0, ["(1.63, -0.2, -1.95)", "(-1.86, -0.87, 1.33)"]),
+        (1.0, ["(2.08, -0.63, -0.14)", "(-4.33, -0.37, 0.53)"]),
+        (0.4, ["(0.75, 0.39, -0.78)", "(-1.63, -0.3, 3.01)"]),
+    ];
+    for (radius, ends) in places {
+        let [inside, endless] = [room, ""].map(|room| levels(room, ends, radius));
+        for (inside, endless) in inside.iter().zip(endless) {
+            assert!(
+                (inside - endless).abs() < 0.1,
+                "{radius} m: {inside} dB, {endless} dB"
+            );
+        }
+    }
+}
+
 /// Protects reflections that bend within one body of rooms: a far object is not named as the obstacle, and faces absorb by
 /// their own materials.
 #[test]
