@@ -491,6 +491,9 @@ fn wide_m(
 fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut Detours) {
     let is_missing = |index: &usize| detours[*index].is_none() && planes.is_sought(*index);
     let missing: Vec<usize> = (0..HALF_PLANES).filter(is_missing).collect();
+    if missing.is_empty() {
+        return;
+    }
     let azimuths: Vec<f64> = missing.iter().map(|index| *index as f64 * STEP).collect();
     let are_free = bend.are_free_over_lines(space, planes, &azimuths);
     for ((index, azimuth), is_free) in missing.into_iter().zip(azimuths).zip(are_free) {

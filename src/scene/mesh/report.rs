@@ -77,7 +77,7 @@ const LARGEST_USUAL_M: f64 = 1_000.0;
 /// Size of a bounding box in metres below which the unit of the file is probably not the metre.
 const SMALLEST_USUAL_M: f64 = 0.1;
 
-/// Share of the size by which corners may be rounded without a warning. Planes are tilted by as many radians.
+/// Share of the size by which corners may be rounded without a warning: planes are then tilted by up to 1e-4 radians.
 const MOST_ROUNDING: f64 = 1e-4;
 
 impl MeshReport {

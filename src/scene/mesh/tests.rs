@@ -466,7 +466,7 @@ fn cells_list_their_triangles() {
     }
 }
 
-/// Protects furniture that is inside out: it is reversed and told of, also if the faces of the room are reversed with it.
+/// Protects furniture that is inside out: it is reversed and reported, also if the faces of the room are reversed with it.
 /// Furniture that is right, or intersects another piece or a wall, remains.
 #[test]
 fn parts_that_are_inside_out_are_reversed() {
@@ -546,9 +546,9 @@ fn parts_that_are_inside_out_are_reversed() {
     assert_eq!(shell.report().inverted.count, 0);
 }
 
-/// Protects models in the coordinates of a survey: corners that are rounded by too much are told of.
+/// Protects models in the coordinates of a survey: corners that are rounded by too much are reported.
 #[test]
-fn corners_far_from_the_origin_are_told_of() {
+fn corners_far_from_the_origin_are_reported() {
     let far = |metres: f64| {
         let mut faces = box_faces(DVec3::new(4.1, 3.3, 5.7));
         faces.vertices.iter_mut().for_each(|v| v.x += metres);
