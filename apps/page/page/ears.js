@@ -118,7 +118,7 @@ function setScene(text, name) {
   isFirst = true;
 }
 
-// Traces each source in a state of the scene. Returns the changed responses. The page is told when shaders are compiled.
+// Traces each source in a state of the scene. Returns the changed responses. A message to the page says when shaders are compiled.
 function trace({ names, values, seconds, listener, source, profile, waves, parts }) {
   ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
   const compiles = isFirst;

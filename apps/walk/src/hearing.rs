@@ -365,7 +365,7 @@ impl Hearing {
     }
 }
 
-/// Why nothing is heard of a source. `arrives` is true if only parts arrive that are switched off.
+/// Why a source is silent. `arrives` is true if only parts arrive that are switched off.
 fn silence(response: &Response, pair: Pair, arrives: bool) -> String {
     if arrives {
         return format!("{NOTHING} of the parts that are switched on");
