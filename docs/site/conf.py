@@ -43,6 +43,7 @@ toc_object_entries_show_parents = "hide"
 html_theme = "furo"
 html_title = "Echomarch"
 html_static_path = ["_static"]
+html_favicon = "_static/icon.svg"
 html_css_files = ["site.css"]
 # The page and the sounds, which are made before.
 html_extra_path = ["extra"]

@@ -24,6 +24,8 @@ let next = Infinity;
 let rested = 0;
 // The last error reported.
 let trouble = "";
+// Whether the next trace is the first one of a scene, which compiles its shaders.
+let isFirst = false;
 
 // Calls a function. An exception ends this worker's tracing, and its message is sent to the page.
 function guarded(act) {
@@ -56,7 +58,7 @@ function prepare() {
   if (mix) return;
   try {
     if (!ears) open();
-    ears.set_scene(text, name);
+    setScene(text, name);
     trace(standing).forEach((heard) => heard.free());
   } catch {
     ears = null;
@@ -72,7 +74,7 @@ function begin(data) {
 
 function follow(played) {
   if (!ears) return;
-  ears.set_scene(played.text, played.name);
+  setScene(played.text, played.name);
   scene = played.scene;
   refused = null;
   due(0);
@@ -111,10 +113,22 @@ function look() {
   due(IDLE);
 }
 
-// Traces each source in a state of the scene. Returns the changed responses.
+function setScene(text, name) {
+  ears.set_scene(text, name);
+  isFirst = true;
+}
+
+// Traces each source in a state of the scene. Returns the changed responses. A message to the page says when shaders are compiled.
 function trace({ names, values, seconds, listener, source, profile, waves, parts }) {
   ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
-  return ears.hear(names, values, seconds, listener, source, profile, waves);
+  const compiles = isFirst;
+  isFirst = false;
+  if (compiles) postMessage({ compiles });
+  try {
+    return ears.hear(names, values, seconds, listener, source, profile, waves);
+  } finally {
+    if (compiles) postMessage({ compiles: false });
+  }
 }
 
 // Traces each source and sends the changes to the mix. Returns the number of changed sources.

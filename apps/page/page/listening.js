@@ -9,6 +9,11 @@ const SILENCE_DB = -120;
 // few waves usually takes on a software renderer.
 const ALONE_MS = 2000;
 
+// Delay until the page says that shaders are compiled, and interval between two updates of the time, in milliseconds. A
+// browser that has kept the shaders needs less.
+const COMPILES_MS = 400;
+const TOLD_MS = 1000;
+
 const $ = (id) => document.getElementById(id);
 
 // The least level of a source in decibels; NaN if it is off.
@@ -32,6 +37,8 @@ export class Listening {
     this.isHeard = false;
     // The time at which the scene was given to the sound.
     this.began = 0;
+    // The timer of the message that shaders are compiled.
+    this.compiling = 0;
     // The last state of the scene that was sent to the ears.
     this.stood = "";
     this.forget();
@@ -153,6 +160,7 @@ export class Listening {
   // Handles a message from a part of the sound (ears, mix or player).
   told(part, data) {
     if (data.failed) this.fail(part, data.failed);
+    if (data.compiles !== undefined) this.showCompiling(data.compiles);
     if (data.trouble !== undefined) this.messages.say(part, data.trouble);
     if (data.levels) {
       this.levels = data.levels;
@@ -176,6 +184,7 @@ export class Listening {
   // Handles the failure of a part of the sound. Without the ears only the balance is played; without the mix or the
   // player there is no sound.
   fail(part, why) {
+    this.showCompiling(false);
     if (part === "ears") {
       this.hasEars = false;
       this.forgetSources();
@@ -201,6 +210,21 @@ export class Listening {
       option.disabled = option.value === "full" && !this.hasEars;
     }
     $("listen").value = this.state.listen;
+  }
+
+  // Says that the ears compile shaders, and for how many seconds; false removes the message.
+  showCompiling(compiles) {
+    clearTimeout(this.compiling);
+    $("compiling").hidden = true;
+    if (!compiles) return;
+    const began = performance.now();
+    const show = () => {
+      const seconds = Math.round((performance.now() - began) / 1000);
+      $("compiling").textContent = `Compiling shaders for the sound … ${seconds} s`;
+      $("compiling").hidden = false;
+      this.compiling = setTimeout(show, TOLD_MS);
+    };
+    this.compiling = setTimeout(show, COMPILES_MS);
   }
 
   showPlay() {

@@ -6,6 +6,7 @@ import { listenTo } from "./keys.js";
 import * as link from "./link.js";
 import { Listening } from "./listening.js";
 import { Messages } from "./messages.js";
+import { OwnScenes } from "./own.js";
 import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
 import { Plan } from "./plan.js";
 import { prepare } from "./sound.js";
@@ -54,6 +55,8 @@ const state = {
   parts: { ...link.usual.parts },
   motion: link.usual.motion,
   text: null,
+  // The scene of `text`; null for a built-in scene.
+  own: null,
   values: {},
 };
 let gl = null;
@@ -62,6 +65,9 @@ let plan = null;
 let keys = null;
 let stick = null;
 let listening = null;
+let ownScenes = null;
+// The timer until the written text is read.
+let written = 0;
 
 // The number of pictures, the time of the last picture (null after a pause), and the average interval in milliseconds.
 let pictures = 0;
@@ -89,10 +95,23 @@ function text() {
   return state.text ?? builtIn();
 }
 
+// The name of the scene in the list and in errors.
+function nameOfScene() {
+  return state.own?.name ?? state.scene;
+}
+
+// Chooses an own scene, or a built-in scene if `own` is null. `take` shows it.
+function become(scene, own) {
+  state.scene = scene;
+  state.own = own;
+  state.text = own?.text ?? null;
+  $("scene").value = nameOfScene();
+}
+
 // Reads the scene from the text. If the text is invalid, shows the error and leaves everything unchanged. `isAnew`
 // restarts the walk even if the scene has the same name.
 function take(isAnew) {
-  const read = { text: text(), name: state.scene };
+  const read = { text: text(), name: nameOfScene() };
   try {
     if (isAnew) {
       page.open_scene(read.text, read.name);
@@ -156,20 +175,23 @@ function chooseSettings() {
   listening.hear();
 }
 
-// Shows the chosen built-in scene. If that fails, the previous scene stays.
+// Shows the scene with this name in the list. If a built-in scene cannot be traced, the previous scene stays. The text
+// of an own scene is shown even if it is invalid, so that the user can correct it.
 function chooseScene(name) {
   messages.say("link", "");
-  const before = { scene: state.scene, text: state.text, values: state.values };
-  state.scene = name;
-  state.text = null;
+  clearTimeout(written);
+  const before = { scene: state.scene, own: state.own, values: state.values };
+  const own = ownScenes.named(name);
+  become(own?.scene ?? name, own);
   state.values = {};
+  if (own) $("text").value = text();
   if (take(true)) {
     state.motion = "on";
-    $("text").value = builtIn();
+    $("text").value = text();
     showLines();
-  } else {
-    Object.assign(state, before);
-    $("scene").value = state.scene;
+  } else if (!own) {
+    become(before.scene, before.own);
+    state.values = before.values;
   }
 }
 
@@ -181,12 +203,13 @@ function namesOf(list) {
 // Applies all settings of a link, and restarts the walk.
 function follow(fragment) {
   const choices = {};
-  for (const list of ["scene", "profile", "listen", "sound", "least"]) {
+  for (const list of ["profile", "listen", "sound", "least"]) {
     choices[list] = namesOf(list);
   }
+  choices.scene = scenes();
   const { settings, wrong } = link.read(fragment, choices);
-  state.scene = settings.scene;
-  state.text = settings.text;
+  clearTimeout(written);
+  become(settings.scene, settings.text === null ? null : ownScenes.withText(settings.scene, settings.text));
   state.values = {};
   state.listen = settings.listen;
   state.sound = settings.sound;
@@ -195,7 +218,6 @@ function follow(fragment) {
   state.parts = settings.parts;
   state.motion = settings.motion;
   showParts();
-  $("scene").value = state.scene;
   $("sound").value = state.sound;
   $("volume").value = state.volume;
   $("text").value = text();
@@ -291,6 +313,7 @@ function loop(now) {
   try {
     picture(now);
     messages.say("picture", "");
+    if (pictures === 1) starting("");
   } catch (error) {
     if (gl.isContextLost()) return;
     if (error.message.startsWith(PANICKED)) {
@@ -343,6 +366,7 @@ function show() {
   showSources(isFull ? listening.sources : [], isFull ? listening.texts : [], page.source_names());
   const { trace, late } = listening.times;
   showTimes({ ...spent, between, frame: frame[6], ears: trace, late, gaps: listening.gaps });
+  $("pause").textContent = state.motion === "on" ? "pause" : "go on";
   const share = Math.round(100 * SCALES[scale]);
   $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
 }
@@ -368,6 +392,7 @@ function connect() {
   for (const name of scenes()) {
     $("scene").add(new Option(name, name));
   }
+  ownScenes = new OwnScenes($("scene"));
   for (const waves of WAVES) {
     $("waves").add(new Option(waves, waves));
   }
@@ -399,15 +424,15 @@ function connect() {
     state.least = event.target.value;
   };
   $("play").onclick = () => listening.playOrStop();
-  let waiting = 0;
   $("size-of-text").onchange = (event) => {
     document.querySelector("aside").style.zoom = event.target.value;
   };
   listenToScrolling();
   $("text").oninput = () => {
     showLines();
-    clearTimeout(waiting);
-    waiting = setTimeout(readWritten, WRITTEN_MS);
+    keepWritten();
+    clearTimeout(written);
+    written = setTimeout(() => take(false), WRITTEN_MS);
   };
   addEventListener("hashchange", () => follow(location.hash));
   // While the page is hidden, it draws no pictures, and no time passes in its scene.
@@ -416,10 +441,19 @@ function connect() {
   });
 }
 
-function readWritten() {
-  const written = $("text").value;
-  state.text = written === builtIn() ? null : written;
-  take(false);
+// Keeps the written text as an own scene. The text of a built-in scene is never kept as one.
+function keepWritten() {
+  const edited = $("text").value;
+  let own = state.own;
+  if (edited === builtIn()) {
+    if (own) ownScenes.remove(own);
+    own = null;
+  } else if (own) {
+    ownScenes.change(own, edited);
+  } else {
+    own = ownScenes.add(state.scene, edited);
+  }
+  become(state.scene, own);
 }
 
 // The actions of single key presses.
@@ -446,6 +480,13 @@ const asked = {
   Period: () => choose("iterations", Math.min(link.LIMITS.iterations.most, state.iterations + 1)),
 };
 
+// Shows buttons for the keys that a touch screen lacks.
+function connectButtons() {
+  for (const button of document.querySelectorAll("[data-key]")) {
+    button.onclick = () => asked[button.dataset.key]();
+  }
+}
+
 function pauseOrGoOn() {
   page.pause_or_go_on();
   state.motion = state.motion === "on" ? "off" : "on";
@@ -454,6 +495,13 @@ function pauseOrGoOn() {
 function choose(name, value) {
   $(name).value = value;
   $(name).dispatchEvent(new Event("change"));
+}
+
+// Shows what the page does before its first picture; "" if nothing. The text is visible when the result is resolved.
+function starting(text) {
+  $("starting").textContent = text;
+  $("starting").hidden = !text;
+  return new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
 }
 
 async function begin() {
@@ -466,7 +514,9 @@ async function begin() {
   canvas.addEventListener("webglcontextlost", () => {
     messages.say("picture", "The graphics driver has discarded the WebGL context: reload the page.");
   });
+  starting("Loading …");
   await init();
+  await starting("Compiling shaders …");
   page = new Page(gl, builtIn(), state.scene);
   listening = new Listening(page, state, messages);
   listening.play({ text: builtIn(), name: state.scene });
@@ -475,17 +525,21 @@ async function begin() {
   keys = listenTo(canvas, asked, look);
   stick = listenToTouch(canvas, $("stick"), look);
   connect();
+  connectButtons();
   $("renderer").textContent = page.renderer();
   // The first scene stands still until P is pressed.
   follow(location.hash || "#motion=off");
   // A page that embeds this one keeps the focus, and its place.
   if (window.top === window) canvas.focus();
   requestAnimationFrame(loop);
-  prepare();
+  prepare((data) => listening.told("ears", data));
   listening.prepare();
   // Access for tests and for the browser's console.
   window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels,
     paths: () => listening.paths, isHeard: () => listening.isHeard, named: () => plan.named, address };
 }
 
-begin().catch((error) => messages.say("page", `The page cannot start: ${error.message}`));
+begin().catch((error) => {
+  starting("");
+  messages.say("page", `The page cannot start: ${error.message}`);
+});

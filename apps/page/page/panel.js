@@ -33,8 +33,8 @@ export function showLevels(levels, limited) {
   $("right").value = levels[1];
 }
 
-// Shows the sources of full listening with their names: three numbers per source, as EarsOfPage.sources returns them, and the paths by
-// kind, as EarsOfPage.source_texts returns them.
+// Shows the sources of full listening with their names: three numbers per source, as EarsOfPage.sources returns them, and
+// the paths by kind, or why nothing arrives, as EarsOfPage.source_texts returns them.
 export function showSources(sources, texts, names) {
   const told = [];
   for (let i = 0; i < sources.length; i += 3) {
@@ -46,7 +46,8 @@ export function showSources(sources, texts, names) {
     }
   }
   $("full").textContent = told.join("; ") || "–";
-  $("kinds").textContent = texts.join("; ") || "–";
+  const lines = texts.length > 1 ? texts.map((text, index) => `${names[index]}: ${text}`) : texts;
+  $("kinds").textContent = lines.join("\n") || "–";
 }
 
 // Shows the durations in milliseconds (between pictures, of a frame of waves, of calls, of the ears), and the number of

@@ -26,11 +26,17 @@ function load(part) {
 }
 
 // Loads the workers of the first sound. A worker that fails is loaded again, and reports its failure, when the sound
-// starts.
-export function prepare() {
+// starts. `told` receives the messages of the ears on the compilation of shaders.
+export function prepare(told) {
   for (const part of ["mix", "ears"]) {
     const worker = load(part);
-    worker.onerror = () => prepared.delete(part);
+    worker.onmessage = ({ data }) => {
+      if (data.compiles !== undefined) told(data);
+    };
+    worker.onerror = () => {
+      prepared.delete(part);
+      if (part === "ears") told({ compiles: false });
+    };
     prepared.set(part, worker);
   }
 }

@@ -52,7 +52,7 @@ impl EarsOfPage {
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         let base = scene(text, name)?;
         if self.base.as_ref() != Some(&base) {
-            self.ears.forget_gain();
+            self.ears.forget_scene();
         }
         self.base = Some(base);
         self.is_new_mix = true;
@@ -129,10 +129,14 @@ impl EarsOfPage {
         self.ears.sources().iter().flat_map(numbers).collect()
     }
 
-    /// For each source in the last call of `hear`: the paths by kind and the late part, with their levels, as text.
+    /// For each source in the last call of `hear`: the paths by kind and the late part, with their levels, as text. If
+    /// nothing arrives, the text names the likely reason.
     pub fn source_texts(&self) -> Vec<String> {
-        let sources = self.ears.sources().iter();
-        sources.map(ToString::to_string).collect()
+        let sources = self.ears.sources().iter().zip(self.ears.silences());
+        let text = |(source, silence): (&echomarch::auralisation::HeardSource, &Option<String>)| {
+            silence.clone().unwrap_or_else(|| source.to_string())
+        };
+        sources.map(text).collect()
     }
 
     /// The exact paths of the last call of `hear` for the plan, one after the other. Each has the index of its kind in

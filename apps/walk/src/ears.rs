@@ -56,14 +56,20 @@ impl Ears {
         Ok(messages)
     }
 
-    /// Chooses the gain of the sound again at the next trace, because the scene was edited.
-    pub fn forget_gain(&mut self) {
-        self.hearing.forget_gain();
+    /// Takes the scene of the next trace as another one, because the scene was edited: its gain, its length and its
+    /// numbers of waves are chosen again.
+    pub fn forget_scene(&mut self) {
+        self.hearing.forget_scene();
     }
 
     /// The level of each source in the last trace.
     pub fn sources(&self) -> &[HeardSource] {
         &self.status.sources
+    }
+
+    /// For each source in the last trace: the likely reason if nothing of it arrives.
+    pub fn silences(&self) -> &[Option<String>] {
+        &self.status.silences
     }
 
     /// The paths of the last trace to draw in the plan.

@@ -13,7 +13,7 @@ use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
 use echomarch::internals::shader::is_marched;
 use echomarch::response::{ListenerAxes, Response, ResponseSettings};
-use echomarch::scene::Scene;
+use echomarch::scene::{Pair, Scene};
 use echomarch::tracer::{Profile, Settings, Tracer};
 use echomarch::{Error, bands};
 use std::sync::Arc;
@@ -66,6 +66,9 @@ const CURVE_POINTS: usize = 120;
 pub struct EarsStatus {
     /// The level of each source; empty before the first trace.
     pub sources: Vec<HeardSource>,
+    /// For each source: the likely reason if nothing of it arrives.
+    #[serde(skip)]
+    pub silences: Vec<Option<String>>,
     /// Number of traces so far.
     pub looks: u64,
     /// Number of waves for early arrivals in the last trace, and the number requested without the limit of one second.
@@ -92,6 +95,9 @@ pub struct EarsStatus {
     pub error: Option<String>,
 }
 
+/// The first words of the note on a source of which nothing arrives.
+const NOTHING: &str = "nothing arrives";
+
 /// Index of the walker among the scene's listeners.
 const LISTENER: usize = 0;
 
@@ -108,8 +114,10 @@ pub struct Hearing {
     is_cut: bool,
     /// The profile of the last trace.
     profile: Option<Profile>,
+    /// Whether the scene has marched surfaces, whose tracing time is unknown.
+    may_be_dear: bool,
     /// Tracing time per wave and per second of response, in seconds; `None` before the first trace of a scene with
-    /// marched fields.
+    /// marched surfaces, 0 in a scene without any.
     cost: Option<f64>,
     /// Maximum number of waves for early arrivals that fits [`LONGEST_LOOK_S`].
     early_waves: u32,
@@ -153,6 +161,7 @@ impl Hearing {
             length: None,
             is_cut: false,
             profile: None,
+            may_be_dear: false,
             cost: Some(0.0),
             early_waves: FIRST_WAVES,
             early_waves_heard: 0,
@@ -233,8 +242,13 @@ impl Hearing {
             let pair = scene.pair(source, LISTENER)?;
             let mut response = Response::trace(&mut self.tracer, pair, &how)?;
             diffraction_ms += response.diffraction_milliseconds;
+            let arrives = HeardSource::of(&response).level_db.is_some();
             parts.keep(&mut response)?;
-            status.sources.push(HeardSource::of(&response));
+            let heard = HeardSource::of(&response);
+            let is_silent = heard.level_db.is_none();
+            let reason = is_silent.then(|| silence(&response, pair, arrives));
+            status.silences.push(reason);
+            status.sources.push(heard);
             paths.extend(drawn_paths::of_response(pair, &response));
             add_to_curve(&mut curve, &response, seconds);
             let making = Instant::now();
@@ -257,7 +271,10 @@ impl Hearing {
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
-        self.cost = Some(took.waves.as_secs_f64() / (f64::from(self.late_waves) * seconds));
+        // Without marched surfaces a trace is slow only on a busy machine, or while shaders are compiled.
+        if self.may_be_dear {
+            self.cost = Some(took.waves.as_secs_f64() / (f64::from(self.late_waves) * seconds));
+        }
         self.early_waves_heard = status.waves;
         self.early_waves = early_waves(early, took);
         self.late_waves = late_waves(self.late_waves, took);
@@ -269,9 +286,10 @@ impl Hearing {
         Ok(status)
     }
 
-    /// Chooses the gain again at the next trace, because the scene was edited.
-    pub fn forget_gain(&mut self) {
-        self.gain = None;
+    /// Takes the scene of the next trace as another one, because the scene was edited: its gain, its length and its
+    /// numbers of waves are chosen again.
+    pub fn forget_scene(&mut self) {
+        self.scene = None;
     }
 
     /// Starts another scene or profile with few waves if it has marched surfaces, because the tracing time is unknown.
@@ -282,10 +300,10 @@ impl Hearing {
         }
         self.profile = Some(settings.profile());
         let takes_steps = settings.profile() != Profile::Hybrid;
-        let may_be_dear = takes_steps || scene.surfaces.iter().any(is_marched);
+        self.may_be_dear = takes_steps || scene.surfaces.iter().any(is_marched);
         self.length = None;
         self.gain = None;
-        (self.early_waves, self.late_waves, self.cost) = match may_be_dear {
+        (self.early_waves, self.late_waves, self.cost) = match self.may_be_dear {
             true => (LEAST_WAVES, LEAST_WAVES, None),
             false => (FIRST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
         };
@@ -321,10 +339,12 @@ impl Hearing {
     }
 
     /// Length of the responses, in seconds. The length is estimated every few seconds, unless the estimate would take
-    /// too long.
+    /// too long. An estimated length stays in this case: the level of the late part does not depend on how long a trace
+    /// takes.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
         if !self.allows_estimate() {
-            return Ok(self.cost.map_or(FIRST_LENGTH_S, length_of_dear));
+            let dear = || self.cost.map_or(FIRST_LENGTH_S, length_of_dear);
+            return Ok(self.length.map_or_else(dear, |(seconds, _)| seconds));
         }
         if let Some((seconds, found)) = self.length
             && found.elapsed().as_secs_f64() < LENGTH_EVERY_S
@@ -343,6 +363,17 @@ impl Hearing {
         self.length = Some((seconds, Instant::now()));
         Ok(seconds)
     }
+}
+
+/// Why a source is silent. `arrives` is true if only parts arrive that are switched off.
+fn silence(response: &Response, pair: Pair, arrives: bool) -> String {
+    if arrives {
+        return format!("{NOTHING} of the parts that are switched on");
+    }
+    let notes = response.notes(pair).into_iter();
+    let mut texts = notes.map(|note| note.to_string());
+    let reason = texts.find(|text| text.starts_with(NOTHING));
+    reason.unwrap_or_else(|| NOTHING.to_owned())
 }
 
 /// The length of responses in an expensive scene, in seconds. `cost` is the tracing time per wave and per second of
@@ -404,6 +435,13 @@ mod tests {
             assert_eq!(hearing.allows_estimate(), allowed, "{cost:?}");
         }
         assert!(hearing.length.is_none());
+        // Protects the late part from becoming weaker after slow traces: an estimated length stays.
+        let scene = Scene::builtin("shoebox").unwrap();
+        let settings = Settings::default();
+        let dear = hearing.length_s(&scene, &settings).unwrap();
+        assert_eq!(dear, FIRST_LENGTH_S);
+        hearing.length = Some((1.5, Instant::now()));
+        assert_eq!(hearing.length_s(&scene, &settings).unwrap(), 1.5);
     }
 
     /// Protects a scene with marched surfaces: its first trace has few waves, whatever the previous scene had. A later

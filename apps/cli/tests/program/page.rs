@@ -5,6 +5,7 @@
 //! another compiler target.
 
 mod first_visit;
+mod own_scenes;
 mod sound;
 
 use crate::common::cli::{argument, json};

@@ -19,6 +19,7 @@ fn the_first_scene_stands_still() {
         wait(browser, "return window.pictures > 5");
         assert_eq!(browser.run("return echomarch.page.seconds()"), 0.0);
         assert!(browser.text("#about").contains("hear it"));
+        assert!(browser.text("#about").contains("text editor"));
         wait(browser, "return echomarch.address().includes('motion=off')");
         browser.click("h1");
         browser.press("p");
@@ -66,6 +67,36 @@ fn play_says_that_the_sound_is_computed_until_it_is_heard() {
     });
 }
 
+/// Protects a first visit, at which shaders are compiled for seconds: the page says so until its first picture is drawn,
+/// and until the first response is traced.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn the_page_says_that_it_compiles_shaders() {
+    const WATCH: &str = "
+        window.said = [];
+        new MutationObserver(() => {
+            for (const id of ['starting', 'compiling']) {
+                const text = document.getElementById(id)?.textContent;
+                if (text && !window.said.includes(text)) window.said.push(text);
+            }
+        }).observe(document, { childList: true, subtree: true });";
+    on_page(|stage, browser| {
+        browser.before_load(WATCH);
+        stage.load(browser, "#scene=corner&waves=1024");
+        browser.click("#play");
+        wait(browser, "return echomarch.isHeard()");
+        let said = browser.run("return window.said.join('|')");
+        println!("{said}");
+        for part in ["Loading …", "Compiling shaders …"] {
+            assert!(said.as_str().unwrap().contains(part), "{said}");
+        }
+        wait(
+            browser,
+            "return ['starting', 'compiling'].every((id) => document.getElementById(id).hidden)",
+        );
+    });
+}
+
 /// Protects users who write a scene: the error is beside the text, names the line, and the line is marked.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
@@ -107,7 +138,8 @@ fn the_plan_names_sources_and_listeners() {
     });
 }
 
-/// Protects visitors without a keyboard: a hint names the gestures, a drag turns the gaze, and the stick walks.
+/// Protects visitors without a keyboard: a hint names the gestures, a drag turns the gaze, the stick walks, and buttons do
+/// what the keys F, P and Home do.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn fingers_look_and_walk() {
@@ -131,5 +163,18 @@ fn fingers_look_and_walk() {
         &format!("return echomarch.page.listener()[2] < {before} - 0.3"),
     );
     browser.lift();
+    browser.click("#pause");
+    wait(&browser, "return echomarch.page.seconds() > 0");
+    wait(
+        &browser,
+        "return document.getElementById('pause').textContent === 'pause'",
+    );
+    browser.click("#carry");
+    wait(&browser, "return echomarch.page.placed_source().length > 0");
+    browser.click("#restart");
+    wait(
+        &browser,
+        "return !echomarch.page.has_walked() && echomarch.page.placed_source().length === 0",
+    );
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
