@@ -34,7 +34,7 @@ pub fn pose(basis: [[f32; 3]; 3], origin: [f32; 3]) -> Pose {
     Pose::at(origin).turned(rotation)
 }
 
-/// What a node was last.
+/// The last state of a node.
 #[derive(Debug)]
 struct Known<Id> {
     /// `None` if the simulator refused it.
@@ -172,7 +172,7 @@ impl Acoustics {
         self.simulator.commit();
     }
 
-    /// What is heard of the source of a node; `None` before its first round.
+    /// The last update of the source of a node; `None` before its first round.
     pub fn heard(&self, node: NodeId) -> Option<Arc<Update>> {
         self.simulator.updates(self.id(node)?)
     }

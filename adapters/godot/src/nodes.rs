@@ -27,7 +27,7 @@ pub struct EchomarchWorld {
     #[export]
     #[init(val = 0.1)]
     buffer_s: f32,
-    /// The level of the output in decibels. There is no limiter.
+    /// The level of the output in decibels, without a limiter.
     #[export]
     volume_db: f32,
     /// The audio bus of the output.
@@ -36,6 +36,8 @@ pub struct EchomarchWorld {
     bus: StringName,
     acoustics: Option<Acoustics>,
     playback: Option<Gd<AudioStreamGeneratorPlayback>>,
+    /// Frames of the output that stay free: its length is a power of two, more than `buffer_s`.
+    spare: i32,
     /// The length of the next block, once it is known.
     frames: Option<usize>,
     stereo: Vec<f32>,
@@ -93,6 +95,8 @@ impl EchomarchWorld {
         player.play();
         let playback = player.get_stream_playback();
         self.playback = playback.and_then(|playback| playback.try_cast().ok());
+        let frames = (self.buffer_s * rate_hz) as i32;
+        self.spare = self.free() - frames.clamp(0, self.free());
     }
 
     fn play(&mut self) {
@@ -109,13 +113,15 @@ impl EchomarchWorld {
         playback.push_buffer(&frames.collect());
     }
 
-    /// The frames that fit into the output now.
-    fn frames(&mut self) -> usize {
+    fn free(&self) -> i32 {
         let playback = self.playback.as_ref();
-        let free = || playback.map_or(0, |playback| playback.get_frames_available());
-        *self
-            .frames
-            .get_or_insert_with(|| free().try_into().unwrap_or(0))
+        playback.map_or(0, |playback| playback.get_frames_available())
+    }
+
+    /// The frames that this picture adds to the output.
+    fn frames(&mut self) -> usize {
+        let frames = self.free() - self.spare;
+        *self.frames.get_or_insert(frames.max(0) as usize)
     }
 }
 
@@ -296,7 +302,7 @@ impl EchomarchSource {
         pushed.unwrap_or(0) as i64
     }
 
-    /// What is heard: `is_in_sight`; `visibility`, 0 to 1; `delay_s`; and in eight octave bands, 63 Hz to 8 kHz, `direct`
+    /// The last update: `is_in_sight`; `visibility`, 0 to 1; `delay_s`; and in eight octave bands, 63 Hz to 8 kHz, `direct`
     /// and `reverb`, the gains of the direct way and of all other sound, which are 1 for the direct sound at 1 m. Empty
     /// until the source is traced.
     #[func]

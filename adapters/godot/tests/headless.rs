@@ -112,9 +112,9 @@ fn nodes_are_heard_where_they_are() -> Result<(), Error> {
     Ok(())
 }
 
-/// Protects games with a fault in a text: it is told once, and the rest is heard.
+/// Protects games with a fault in a text: it is reported once, and the rest is heard.
 #[test]
-fn a_fault_is_told_once() -> Result<(), Error> {
+fn a_fault_is_reported_once() -> Result<(), Error> {
     let mut acoustics = acoustics()?;
     acoustics.source(DOG, "Source()", Pose::at([1.0, 0.0, 0.0]))?;
     let bad = "Surface(shape: Box(size: (1, 2, 3)), material: \"brik\")";
