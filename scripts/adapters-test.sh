@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks and tests the adapters for kira, rodio, Bevy and fidget, without a sound card or a window.
+# Checks and tests the adapters for kira, rodio, Bevy, Godot and fidget, without a sound card, a window or an engine.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
