@@ -318,7 +318,7 @@ def test_sources_have_directions_and_levels():
         (lambda: em.responses(em.Scene("corner")), "items must be a list of scenes or of (scene, source, listener)"),
         (lambda: em.responses([(em.Scene("corner"),)]), "an item must be a scene or (scene, source, listener)"),
         (lambda: em.response(em.Scene("corner"), accuracy="2%"), "accuracy must be a share, such as 0.02 for 2 %"),
-        (lambda: em.responses([em.Scene("corner")], acuracy=1), "there is no setting 'acuracy'; there are: accuracy"),
+        (lambda: em.responses([em.Scene("corner")], acuracy=1), 'there is no setting "acuracy"; there are: accuracy'),
         (lambda: em.trace(5), "scene must be a Scene, not 5"),
         (lambda: em.trace(em.Scene("corner"), waves="x"), "waves must be a whole number of waves, not 'x'"),
         (lambda: em.trace(em.Scene("corner"), waves=None), "waves must be a whole number of waves, not None"),

@@ -185,7 +185,7 @@ def checked(given: Dict[str, Any]) -> Dict[str, Any]:
     """Return settings after a check of their names and types. The extension module refuses bad ranges."""
     for name in given:
         if name not in _SETTINGS:
-            raise SettingsError(f"there is no setting {name!r}; there are: {', '.join(_SETTINGS)}")
+            raise SettingsError(f'there is no setting "{name}"; there are: {", ".join(_SETTINGS)}')
     return {name: _SETTINGS[name](name, value) for name, value in given.items()}
 
 
