@@ -4,6 +4,9 @@ use super::closed_form::Placed;
 use super::exact::ExactScene;
 use glam::DVec3;
 
+/// A plane face: the number of its surface, from 1, and a point of the face with the unit normal there.
+pub(crate) type MirrorFace = (u32, (DVec3, DVec3));
+
 impl ExactScene {
     /// Signed distance in metres from a world point to the nearest surface, negative inside a solid. The listener is
     /// ignored.
@@ -12,17 +15,9 @@ impl ExactScene {
     }
 
     /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
-    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`]. `mirror` is the number of the
-    /// surface, from 1; `face` is a point of its face and the unit normal there.
-    pub(crate) fn distance_without_face(
-        &self,
-        point: DVec3,
-        (mirror, face): (u32, (DVec3, DVec3)),
-    ) -> f64 {
-        self.least_distance(point, |number, surface| match number == mirror {
-            true => surface.distance_without_face(point, face),
-            false => surface.distance(point),
-        })
+    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`].
+    pub(crate) fn distance_without_face(&self, point: DVec3, face: MirrorFace) -> f64 {
+        self.least_distance(point, without_face(point, face))
     }
 
     /// The least of the distances from a point that `distance` gives for a surface and its number, from 1. They are at
@@ -67,15 +62,8 @@ impl ExactScene {
     }
 
     /// The number of the nearest surface for [`ExactScene::distance_without_face`].
-    pub(crate) fn nearest_without_face(
-        &self,
-        point: DVec3,
-        (mirror, face): (u32, (DVec3, DVec3)),
-    ) -> u32 {
-        self.nearest_by(point, |number, surface| match number == mirror {
-            true => surface.distance_without_face(point, face),
-            false => surface.distance(point),
-        })
+    pub(crate) fn nearest_without_face(&self, point: DVec3, face: MirrorFace) -> u32 {
+        self.nearest_by(point, without_face(point, face))
     }
 
     /// The number of the surface with the least of these distances. They are at least [`Placed::distance`].
@@ -125,5 +113,13 @@ impl ExactScene {
             });
         }
         nearest
+    }
+}
+
+/// The distances of surfaces from a point, by their numbers, if this face is open.
+fn without_face(point: DVec3, (mirror, face): MirrorFace) -> impl Fn(u32, &Placed) -> f64 {
+    move |number, surface| match number == mirror {
+        true => surface.distance_without_face(point, face),
+        false => surface.distance(point),
     }
 }
