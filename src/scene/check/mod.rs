@@ -5,6 +5,7 @@ mod tests;
 
 use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::directivity::OMNI_SHARES;
+use super::mesh::LARGEST_USUAL_M;
 use super::shape::{Asset, LARGEST, Rooms};
 use super::{
     Directivity, Listener, Material, MaterialDriver, Motion, Node, Path, ROUNDING, Scene,
@@ -35,9 +36,6 @@ pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 /// Maximum number of a scene's sources, and maximum number of its listeners. Each pair of a source and a listener is
 /// checked and traced as a separate sound.
 pub(super) const MOST_PLACED: usize = 256;
-
-/// Length of a room in metres above which its unit is probably not the metre, as for meshes.
-const LONGEST_USUAL_ROOM: f64 = 1_000.0;
 
 impl Scene {
     /// Checks the scene like [`Scene::validate_moving`], and every field like `Shape::check`, which takes a few
@@ -499,7 +497,7 @@ impl Scene {
         let mut warnings = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
             let length = surface.room_length();
-            let large = length.filter(|length| *length > LONGEST_USUAL_ROOM);
+            let large = length.filter(|length| *length > LARGEST_USUAL_M);
             warnings.extend(large.map(|length| Warning::LargeRoom {
                 surface: surface.label(index),
                 length,

@@ -49,7 +49,7 @@ pub(super) fn checked(
         return Err(MeshError::Empty);
     }
     report.area_m2 = triangles.iter().map(|t| area(&vertices, t)).sum();
-    let volume = signed_volume(&vertices, &triangles);
+    let mut volume = signed_volume(&vertices, &triangles);
     // Sheets without thickness enclose no air.
     let rounding = f64::from(f32::EPSILON) * largest(&vertices) * report.area_m2;
     let natural = match volume < -rounding {
@@ -67,7 +67,10 @@ pub(super) fn checked(
     if report.is_closed {
         report.inverted = reverse_inverted(&vertices, &mut triangles, report.is_hollow);
     }
-    report.volume_m3 = signed_volume(&vertices, &triangles).abs();
+    if report.inverted.count > 0 {
+        volume = signed_volume(&vertices, &triangles);
+    }
+    report.volume_m3 = volume.abs();
     report.vertices = vertices.len();
     report.triangles = triangles.len();
     report.parts = part_count(vertices.len(), &triangles);
@@ -229,7 +232,7 @@ fn drop_slivers(
 ) {
     let least = LEAST_HEIGHT * largest(vertices);
     let is_kept = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|at| vertices[at as usize].as_dvec3());
+        let [a, b, c] = corners(vertices, triangle);
         let longest = (b - a).length().max((c - b).length()).max((a - c).length());
         cross(vertices, triangle).length() > least * longest
     };
@@ -250,9 +253,14 @@ fn largest(vertices: &[Vec3]) -> f64 {
 }
 
 /// Twice the area of a triangle, along its normal.
-fn cross(vertices: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
-    let [a, b, c] = triangle.map(|at| vertices[at as usize].as_dvec3());
+pub(super) fn cross(vertices: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
+    let [a, b, c] = corners(vertices, triangle);
     (b - a).cross(c - a)
+}
+
+/// The corners of a triangle in metres.
+pub(super) fn corners(vertices: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
+    triangle.map(|at| vertices[at as usize].as_dvec3())
 }
 
 fn area(vertices: &[Vec3], triangle: &[u32; 3]) -> f64 {
@@ -260,13 +268,17 @@ fn area(vertices: &[Vec3], triangle: &[u32; 3]) -> f64 {
 }
 
 /// The volume behind the faces, by the divergence theorem, relative to the first corner.
-fn signed_volume(vertices: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+pub(super) fn signed_volume<'a>(
+    vertices: &[Vec3],
+    triangles: impl IntoIterator<Item = &'a [u32; 3]>,
+) -> f64 {
+    let mut triangles = triangles.into_iter().peekable();
     let origin = triangles
-        .first()
+        .peek()
         .map_or(DVec3::ZERO, |t| vertices[t[0] as usize].as_dvec3());
     let of = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|at| vertices[at as usize].as_dvec3() - origin);
+        let [a, b, c] = corners(vertices, triangle).map(|corner| corner - origin);
         a.dot(b.cross(c)) / 6.0
     };
-    triangles.iter().map(of).sum()
+    triangles.map(of).sum()
 }

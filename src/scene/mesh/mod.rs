@@ -42,6 +42,7 @@ pub(crate) use air_boxes::{AirCells, AirCorners, bodies};
 pub(crate) use cells::MeshCells;
 pub use error::MeshError;
 pub(crate) use facets::Facet;
+pub(crate) use report::LARGEST_USUAL_M;
 pub use report::{Defect, MeshReport};
 pub(crate) use triangle::Triangle;
 

@@ -4,6 +4,7 @@
 //! sum of the solid angles of all faces over 4π, and one more in a mesh that is surrounded by a solid: 0 in air, 1 or
 //! more in solids.
 
+use super::check::{corners, cross, signed_volume};
 use super::edges::joined;
 use super::report::Defect;
 use crate::scene::shape::Bounds3;
@@ -62,12 +63,10 @@ pub(super) fn reverse_inverted(
 
 impl Part {
     fn of(vertices: &[Vec3], all: &[[u32; 3]], triangles: Vec<usize>) -> Part {
-        let own = || triangles.iter().map(|at| corners(vertices, &all[*at]));
-        let origin = own().next().map_or(DVec3::ZERO, |[a, ..]| a);
-        let volume = |[a, b, c]: [DVec3; 3]| (a - origin).dot((b - origin).cross(c - origin)) / 6.0;
+        let own = || triangles.iter().map(|at| &all[*at]);
         Part {
-            volume_m3: own().map(volume).sum(),
-            bounds: Bounds3::of_points(own().flatten()),
+            volume_m3: signed_volume(vertices, own()),
+            bounds: Bounds3::of_points(own().flat_map(|triangle| corners(vertices, triangle))),
             triangles,
         }
     }
@@ -79,15 +78,13 @@ impl Part {
 
     /// Whether its largest face has air on both sides, or solids.
     fn is_inverted(&self, vertices: &[Vec3], all: &[[u32; 3]], is_hollow: bool) -> bool {
-        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
-        let own = self.triangles.iter();
-        let faces = own.map(|at| corners(vertices, &all[*at]));
-        let size = |face: &[DVec3; 3]| normal(*face).length();
+        let faces = self.triangles.iter().map(|at| &all[*at]);
+        let size = |face: &[u32; 3]| cross(vertices, face).length();
         let Some(face) = faces.max_by(|a, b| size(a).total_cmp(&size(b))) else {
             return false;
         };
-        let off = normal(face).normalize_or_zero() * (OFF_FACE * size(&face).sqrt());
-        let place = face.iter().sum::<DVec3>() / 3.0 + off;
+        let off = cross(vertices, face).normalize_or_zero() * (OFF_FACE * size(face).sqrt());
+        let place = corners(vertices, face).iter().sum::<DVec3>() / 3.0 + off;
         let angles = all
             .iter()
             .map(|triangle| solid_angle(corners(vertices, triangle), place));
@@ -97,10 +94,6 @@ impl Part {
             false => solids_in_front > 0.5,
         }
     }
-}
-
-fn corners(vertices: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
-    triangle.map(|at| vertices[at as usize].as_dvec3())
 }
 
 /// Solid angle of a triangle seen from a place, positive from behind (A. Van Oosterom and J. Strackee, *The solid angle of a

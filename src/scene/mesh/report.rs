@@ -71,8 +71,8 @@ pub struct MeshReport {
     pub sheets: Defect,
 }
 
-/// Size of a bounding box in metres above which the unit of the file is probably not the metre.
-const LARGEST_USUAL_M: f64 = 1_000.0;
+/// Size of a room or of a mesh in metres above which the unit is probably not the metre.
+pub(crate) const LARGEST_USUAL_M: f64 = 1_000.0;
 
 /// Size of a bounding box in metres below which the unit of the file is probably not the metre.
 const SMALLEST_USUAL_M: f64 = 0.1;
