@@ -26,16 +26,16 @@ function load(part) {
 }
 
 // Loads the workers of the first sound. A worker that fails is loaded again, and reports its failure, when the sound
-// starts. `told` receives the messages of the ears on the compilation of shaders.
-export function prepare(told) {
+// starts. `report` is called with each message of the ears on the compilation of shaders.
+export function prepare(report) {
   for (const part of ["mix", "ears"]) {
     const worker = load(part);
     worker.onmessage = ({ data }) => {
-      if (data.compiles !== undefined) told(data);
+      if (data.compiles !== undefined) report(data);
     };
     worker.onerror = () => {
       prepared.delete(part);
-      if (part === "ears") told({ compiles: false });
+      if (part === "ears") report({ compiles: false });
     };
     prepared.set(part, worker);
   }
