@@ -25,6 +25,7 @@ mod edges;
 mod error;
 mod facets;
 mod intersections;
+mod measures;
 mod nesting;
 mod read;
 #[cfg(feature = "meshes")]

@@ -4,8 +4,8 @@
 //! sum of the solid angles of all faces over 4π, and one more in a mesh that is surrounded by a solid: 0 in air, 1 or
 //! more in solids.
 
-use super::check::{corners, cross, signed_volume};
 use super::edges::joined;
+use super::measures::{corners, cross, signed_volume};
 use super::report::Defect;
 use crate::scene::shape::Bounds3;
 use glam::{DVec3, Vec3};
