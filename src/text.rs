@@ -42,6 +42,18 @@ pub fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     }
 }
 
+/// Appends the names of a scene's parts, and the name that is most similar to the typed name, to a message.
+pub fn which_it_has(refused: &str, typed: &str, names: &[String]) -> String {
+    if names.is_empty() {
+        return format!("{refused}; it has none");
+    }
+    let told = format!("{refused}; it has: {}", names.join(", "));
+    match nearest(typed, names.iter().map(String::as_str)) {
+        Some(nearest) => format!("{told}; did you mean {nearest}?"),
+        None => told,
+    }
+}
+
 /// The text in one line, for a terminal. Invisible characters (escape codes and other controls, ends of lines, changes
 /// of direction, zero-width spaces) are escaped as in Rust.
 pub fn in_a_line(text: &str) -> Cow<'_, str> {

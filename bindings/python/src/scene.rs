@@ -2,7 +2,7 @@
 
 use crate::errors;
 use echomarch::bands::Bands;
-use echomarch::internals::text::nearest;
+use echomarch::internals::text;
 use echomarch::scene::mesh::{Inside, MeshOptions, TriangleMesh};
 use echomarch::scene::shape::Mesh;
 use echomarch::scene::{Material, Pair, SceneError, Warning};
@@ -67,16 +67,10 @@ fn without_place(message: &str, origin: &str) -> String {
     }
 }
 
-/// Appends the existing names, and the one most similar to the wrong name, to a message.
-fn with_names(refused: &str, wrong: &str, names: &[String]) -> String {
-    if names.is_empty() {
-        return format!("{refused}; it has none");
-    }
-    let with_all = format!("{refused}; it has: {}", names.join(", "));
-    match nearest(wrong, names.iter().map(String::as_str)) {
-        Some(nearest) => format!("{with_all}; did you mean {nearest}?"),
-        None => with_all,
-    }
+/// A message about an unknown name, with the existing names and the most similar one.
+#[pyfunction]
+pub fn which_it_has(refused: &str, typed: &str, names: Vec<String>) -> String {
+    text::which_it_has(refused, typed, &names)
 }
 
 /// The index of a source or listener given by its name, or by its number from 1.
@@ -86,7 +80,7 @@ fn placed(what: &str, label: &str, labels: &[String]) -> PyResult<usize> {
     let found = named.or_else(by_number);
     found.filter(|index| *index < labels.len()).ok_or_else(|| {
         let refused = format!("the scene has no {what} {label:?}");
-        errors::settings(with_names(&refused, label, labels))
+        errors::settings(text::which_it_has(&refused, label, labels))
     })
 }
 
@@ -101,7 +95,7 @@ impl Scene {
             .filter(|index| *index < surfaces.len())
             .ok_or_else(|| {
                 let refused = format!("scene {:?} has no surface {label:?}", self.inner.name);
-                errors::settings(with_names(&refused, label, &self.surfaces()))
+                errors::settings(text::which_it_has(&refused, label, &self.surfaces()))
             })
     }
 
@@ -235,7 +229,7 @@ impl Scene {
         }
         let refused = format!("{label} has no part {part:?}");
         let names = surface.part_names();
-        Err(errors::settings(with_names(&refused, part, &names)))
+        Err(errors::settings(text::which_it_has(&refused, part, &names)))
     }
 
     /// A name for a material of a surface or of one of its parts. It is `wanted` unless another surface or part has a

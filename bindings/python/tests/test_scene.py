@@ -117,6 +117,8 @@ def test_surfaces_sources_and_listeners_are_removed(room):
         room.remove_surface("bal")
     with pytest.raises(em.SettingsError, match='has no source "pino"; it has: talker, piano; did you mean piano?'):
         room.remove_source("pino")
+    with pytest.raises(em.SettingsError, match='has no source "pino"; it has: talker, piano; did you mean piano?'):
+        em.response(room, "pino")
     with pytest.raises(em.SettingsError, match='has no listener "3"; it has: seat, row'):
         room.remove_listener(3)
     for remove in (room.remove_surface, room.remove_source, room.remove_listener):
@@ -220,7 +222,7 @@ def test_meshes_are_read_with_their_groups(room, tmp_path):
     """Protects meshes: groups have materials, a mesh whose z axis points up is turned, defects are warned of."""
     scene = em.Scene.from_mesh(SCENES / "attic.obj", materials=None, absorption=0.3)
     assert scene.surfaces == ["mesh"] and scene.materials == ["mesh"]
-    with pytest.raises(em.SettingsError, match="has no group 'nothing'; it has: "):
+    with pytest.raises(em.SettingsError, match='has no group "nothing"; it has: '):
         em.Scene.from_mesh(SCENES / "attic.obj", materials={"nothing": 0.1})
     # A cube of 2 m whose face ahead (+y of the file) has a material of its own; one face is missing.
     cube = tmp_path / "cube.obj"

@@ -1,6 +1,7 @@
 //! The choice of sources and listeners.
 
 use super::super::exit::BadInput;
+use echomarch::internals::text::which_it_has;
 use echomarch::scene::{Pair, Scene, SceneError};
 
 /// A source and a listener of a scene, with their names.
@@ -71,10 +72,10 @@ fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usi
         .or_else(by_number)
     {
         Some(index) => Ok(vec![index]),
-        None => Err(BadInput(format!(
-            "the scene has no {what} {wanted:?}; it has: {}",
-            labels.join(", ")
-        ))),
+        None => {
+            let refused = format!("the scene has no {what} {wanted:?}");
+            Err(BadInput(which_it_has(&refused, wanted, labels)))
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::exit::BadInput;
 use echomarch::Error;
 use echomarch::audio::{Sound, SoundSpec};
-use echomarch::internals::text::nearest;
+use echomarch::internals::text::which_it_has;
 use echomarch::scene::Scene;
 use std::str::FromStr;
 
@@ -78,17 +78,12 @@ fn is_missing_file(sound: &SourceSound) -> bool {
 
 fn unknown_source(scene: &Scene, sound: &SourceSound) -> BadInput {
     let names = scene.source_labels();
-    let nearest = sound.for_one.as_ref().and_then(|(name, _)| {
-        let names = names.iter().map(String::as_str);
-        nearest(name, names)
-    });
-    BadInput(format!(
-        "--sound {:?} is neither a sound nor the sound of a source of {:?}; it has: {}{}",
-        sound.text,
-        scene.name,
-        names.join(", "),
-        nearest.map_or_else(String::new, |name| format!("; did you mean {name}?"))
-    ))
+    let typed = sound.for_one.as_ref().map_or("", |(name, _)| name);
+    let refused = format!(
+        "--sound {:?} is neither a sound nor the sound of a source of {:?}",
+        sound.text, scene.name
+    );
+    BadInput(which_it_has(&refused, typed, &names))
 }
 
 #[cfg(test)]

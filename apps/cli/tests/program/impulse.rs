@@ -277,7 +277,7 @@ fn what_cannot_be_is_refused() {
     let to = argument(&wav);
     refuse(
         &["impulse", &file, "--source", "drums"],
-        "no source \"drums\"; it has: flute, drum",
+        "no source \"drums\"; it has: flute, drum; did you mean drum?",
     );
     refuse(&["impulse", "shoebox", "--profile", "thesis"], "thesis");
     refuse(

@@ -211,7 +211,8 @@ class Scene:
             _warn(f"{path}: {text}")
         unknown = sorted(set(known) - set(groups))
         if unknown:
-            raise SettingsError(f"the mesh {path} has no group {unknown[0]!r}; it has: {', '.join(groups)}")
+            refused = f'the mesh {path} has no group "{unknown[0]}"'
+            raise SettingsError(_echomarch.which_it_has(refused, unknown[0], groups))
         scene.set_material("mesh", absorption)
         for group, material in known.items():
             scene.set_material("mesh", material, part=group)
@@ -659,7 +660,7 @@ def _chosen(what: str, labels: List[str], wanted: Union[str, int, None]) -> int:
     known = ", ".join(labels)
     if wanted is None:
         raise SettingsError(f"the scene has {len(labels)} {what}s ({known}): choose one with {what}=")
-    raise SettingsError(f'the scene has no {what} "{wanted}"; it has: {known}')
+    raise SettingsError(_echomarch.which_it_has(f'the scene has no {what} "{wanted}"', str(wanted), labels))
 
 
 def _warn(text: str) -> None:
