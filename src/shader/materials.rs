@@ -157,6 +157,12 @@ impl Materials {
         self.scattering > 0
     }
 
+    /// The least share of its reflections that a face scatters, common to the bands.
+    pub fn least_scattering(&self) -> f32 {
+        let shares = self.distinct.iter().map(|one| self.share(&one.material));
+        shares.reduce(f32::min).unwrap_or(0.0)
+    }
+
     /// Whether the solid of any surface transmits.
     pub fn transmit(&self) -> bool {
         !self.transmitting.is_empty()

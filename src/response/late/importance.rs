@@ -53,15 +53,20 @@ const WAVES_IN_CELL: f64 = 2.0;
 /// hundredths of a radian.
 const DIVIDED: usize = 4;
 
+/// Greatest share of reflections that the face with the least scattering scatters if there are pilot waves. Waves that are
+/// scattered more often soon forget their start direction. In eight rooms with two opposite walls of absorption 0.02 to
+/// 0.06, and others of 0.2 to 0.6, with 65,536 waves and ten seeds each, T30 at 500 Hz had a noise below 2.5 % in 25 of
+/// 52 responses with even starts and in 45 of 50 with pilot waves if all walls scatter 0.1, but in 38 of 48 and 44 of 49
+/// if they scatter 0.14. Pilot waves multiplied the processor time by 1.7.
+const MOST_SCATTERING: f32 = 0.12;
+
 /// Number of pilot waves. 0 if there are too few waves, if their directions are a lattice, which is even only as a
-/// whole, or if a surface scatters in these bands, because the start direction then has little influence.
+/// whole, or if all faces scatter more than [`MOST_SCATTERING`] in these bands.
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
-    match PILOT_WAVES.contains(&waves)
-        && is_random
-        && !Materials::of(scene, bands.clone()).scatter()
-    {
+    let has_few = || Materials::of(scene, bands.clone()).least_scattering() <= MOST_SCATTERING;
+    match PILOT_WAVES.contains(&waves) && is_random && has_few() {
         true => waves,
         false => 0,
     }
@@ -384,7 +389,7 @@ mod tests {
     }
 
     /// Protects starts without pilot waves: of lattices, which are even only as a whole, of runs with few waves, and of
-    /// scenes that scatter.
+    /// scenes in which all faces scatter. A face that hardly scatters suffices for pilot waves.
     #[test]
     fn some_runs_have_no_pilot_waves() {
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
@@ -397,10 +402,14 @@ mod tests {
         assert_eq!(of(&scene, 8191, Directions::Random), 0);
         assert_eq!(of(&scene, 1 << 18, Directions::Fibonacci), 0);
         let mut rough = Material::absorbing(0.1);
-        rough.scattering[3] = 0.2;
+        rough.scattering[3..6].fill(0.2);
         scene.materials.insert("rough".to_owned(), rough);
         scene.surfaces[0].material = Some("rough".to_owned());
         assert_eq!(of(&scene, 1 << 18, Directions::Random), 0);
+        rough.scattering[3..6].fill(0.1);
+        scene.materials.insert("smooth".to_owned(), rough);
+        scene.surfaces[0].walls[0] = Some("smooth".to_owned());
+        assert_eq!(of(&scene, 1 << 18, Directions::Random), 1 << 16);
         let trace = Settings::default().with_waves(1 << 18);
         let mirrored = pilot_waves(&scene, &(0..3), &trace.with_directions(Directions::Random));
         assert_eq!(mirrored, 1 << 16);
