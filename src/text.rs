@@ -35,11 +35,8 @@ pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
 
 /// Appends all known names, and the known name that is most similar to the typed name, to a message.
 pub fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
-    let told = format!("{refused}; there are: {}", known.join(", "));
-    match nearest(typed, known.iter().copied()) {
-        Some(nearest) => format!("{told}; did you mean {nearest}?"),
-        None => told,
-    }
+    let with_all = format!("{refused}; there are: {}", known.join(", "));
+    with_nearest(with_all, typed, known.iter().copied())
 }
 
 /// Appends the names of a scene's parts, and the name that is most similar to the typed name, to a message.
@@ -47,10 +44,14 @@ pub fn which_it_has(refused: &str, typed: &str, names: &[String]) -> String {
     if names.is_empty() {
         return format!("{refused}; it has none");
     }
-    let told = format!("{refused}; it has: {}", names.join(", "));
-    match nearest(typed, names.iter().map(String::as_str)) {
-        Some(nearest) => format!("{told}; did you mean {nearest}?"),
-        None => told,
+    let with_all = format!("{refused}; it has: {}", names.join(", "));
+    with_nearest(with_all, typed, names.iter().map(String::as_str))
+}
+
+fn with_nearest<'a>(message: String, typed: &str, known: impl Iterator<Item = &'a str>) -> String {
+    match nearest(typed, known) {
+        Some(nearest) => format!("{message}; did you mean {nearest}?"),
+        None => message,
     }
 }
 
