@@ -483,8 +483,15 @@ fn parts_that_are_inside_out_are_reversed() {
     };
     let beside = place + DVec3::new(0.7, 0.1, 0.2);
     let in_wall = DVec3::new(1.6, 0.2, 0.1);
+    let cupboard = box_faces(DVec3::new(1.2, 2.2, 0.6));
+    // The back is 1 cm within the wall.
+    let at_wall = DVec3::new(0.3, -0.39, -2.21);
+    let mut pane = box_faces(DVec3::new(2.0, 1.5, 0.003));
+    pane.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     let cases = [
         (furnished(room(), &[(&table, place)]), 0, 60.0 - 1.152),
+        (furnished(room(), &[(&cupboard, at_wall)]), 0, 60.0 - 1.584),
+        (furnished(room(), &[(&pane, place)]), 1, 60.0 - 0.009),
         (
             furnished(
                 room(),
