@@ -30,7 +30,9 @@ pub(super) fn checked(
     };
     let scale = f64::from(options.scale);
     let scaled = || faces.vertices.iter().map(|v| *v * scale);
-    report.rounding_m = scaled().map(rounding_m).fold(0.0, f64::max);
+    let used = faces.triangles.iter().flatten();
+    let used = used.map(|corner| faces.vertices[*corner as usize] * scale);
+    report.rounding_m = used.map(rounding_m).fold(0.0, f64::max);
     let (vertices, place_of) = distinct(scaled().map(|v| v.as_vec3()));
     let corners = faces
         .triangles
