@@ -192,45 +192,64 @@ fn leaves(chords: &[Chord], contact_m: f64) -> Vec<&[Chord]> {
     leaves
 }
 
-/// The materials of the faces at which a line enters and leaves a solid. Each has half of the solid's thickness.
+/// The materials of the faces at which a line enters and leaves a solid.
 fn materials(scene: &Scene, chord: &Chord) -> [Option<Material>; 2] {
     let index = chord.surface as usize - 1;
     chord.groups.map(|group| scene.material(index, group))
 }
 
-/// Solids in contact, with the thickness of each material in metres.
-struct Leaf(Vec<(Transmission, f64)>);
+/// Solids in contact. If the materials where the line enters a solid and leaves it differ, and one of them has a stated
+/// reduction, which is that of a whole wall, the reduction of the leaf is the mean of those with the one and with the
+/// other material throughout the solid. Two materials with densities have half of its thickness each.
+struct Leaf([Layers; 2]);
+
+/// The thickness of each material of a leaf in metres.
+#[derive(Default)]
+struct Layers(Vec<(Transmission, f64)>);
 
 impl Leaf {
     /// The materials of parts of a line in contact; `None` if one of them transmits nothing.
     fn of(scene: &Scene, chords: &[Chord]) -> Option<Leaf> {
         let thickness_per_length = thickness_per_length(scene, chords);
-        let mut layers: Vec<(Transmission, f64)> = Vec::new();
+        let mut sides = [Layers::default(), Layers::default()];
         let mut until = f64::NEG_INFINITY;
+        let is_stated = |of: &Transmission| matches!(of, Transmission::Reduction { .. });
         for chord in chords {
             // Two solids that overlap count once, as the first of them.
             let length_m = (chord.leaves_m - chord.enters_m.max(until)).max(0.0);
             until = until.max(chord.leaves_m);
-            let half_m = 0.5 * length_m * thickness_per_length;
-            for material in materials(scene, chord) {
-                let transmission = material?.transmission?;
-                match layers.iter_mut().find(|(known, _)| *known == transmission) {
-                    Some((_, thickness)) => *thickness += half_m,
-                    None => layers.push((transmission, half_m)),
+            let thickness_m = length_m * thickness_per_length;
+            let [entered, left] = materials(scene, chord);
+            let faces = [entered?.transmission?, left?.transmission?];
+            let are_layers = faces[0] == faces[1] || !faces.iter().any(is_stated);
+            for (layers, face) in sides.iter_mut().zip(faces) {
+                for half in if are_layers { faces } else { [face; 2] } {
+                    layers.add(half, 0.5 * thickness_m);
                 }
             }
         }
-        Some(Leaf(layers))
+        Some(Leaf(sides))
     }
 
     /// The share of the energy that passes, by band.
     fn share(&self) -> Bands {
+        let [one, other] = self.0.each_ref().map(Layers::reduction_db);
+        std::array::from_fn(|band| 10_f64.powf(-0.05 * (one[band] + other[band])))
+    }
+}
+
+impl Layers {
+    fn add(&mut self, material: Transmission, thickness_m: f64) {
+        match self.0.iter_mut().find(|(known, _)| *known == material) {
+            Some((_, thickness)) => *thickness += thickness_m,
+            None => self.0.push((material, thickness_m)),
+        }
+    }
+
+    /// The reduction by band in decibels.
+    fn reduction_db(&self) -> Bands {
         let mass = self.mass();
-        std::array::from_fn(|band| {
-            let hertz = BANDS_HZ[band];
-            let reduction_db: f64 = mass.reduction_db(hertz) + self.stated_db(band);
-            10_f64.powf(-0.1 * reduction_db)
-        })
+        std::array::from_fn(|band| mass.reduction_db(BANDS_HZ[band]) + self.stated_db(band))
     }
 
     /// The sum of the stated reductions in a band, in decibels.

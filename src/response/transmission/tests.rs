@@ -189,7 +189,8 @@ fn mesh_slab(left: &str, others: &str) -> Surface {
     })
 }
 
-/// Protects the materials of a mesh's faces: they transmit, and not only the material of the whole mesh.
+/// Protects the materials of a mesh's faces: they transmit, and not only the material of the whole mesh. Two reductions of
+/// one wall do not add up.
 #[test]
 fn a_mesh_transmits_by_the_materials_of_its_faces() {
     let heavy = Transmission::of_density(2500.0);
@@ -203,6 +204,17 @@ fn a_mesh_transmits_by_the_materials_of_its_faces() {
             &mass_law(mass),
         );
     }
+    let panels = [
+        ("brickwork", BRICKWORK),
+        ("panel", Transmission::reduced_by(40.0, 0.1)),
+        ("other", Transmission::reduced_by(41.0, 0.1)),
+    ];
+    let of = |left: &str, others: &str| upright(vec![mesh_slab(left, others)], &panels);
+    assert_near(&of("panel", "panel"), &[40.0; BAND_COUNT]);
+    assert_near(&of("panel", "other"), &[40.5; BAND_COUNT]);
+    let mean = mass_law(100.0).map(|mass| 0.5 * (mass + 40.0));
+    assert_near(&of("panel", "brickwork"), &mean);
+    assert_near(&of("brickwork", "panel"), &mean);
     let (a, b) = (Vec3::new(-5.0, 0.3, 0.2), Vec3::new(5.0, 0.3, 0.2));
     for (left, others) in [("brickwork", "carpet"), ("carpet", "brickwork")] {
         let mesh = mesh_slab(left, others).with_material("brickwork");
