@@ -16,6 +16,7 @@ impl<S: Space> Space for Images<'_, S> {
     fn first(&self, origin: DVec3, direction: DVec3, until: f64) -> Option<Obstacle> {
         let (mut origin, mut direction) = Abutment::in_front(self.faces, origin, direction);
         let mut passed_m = 0.0;
+        let mut last = None;
         for _ in 0..Abutment::MOST_IMAGES {
             let met = self.space.first(origin, direction, until - passed_m)?;
             let point = origin + direction * met.metres;
@@ -27,9 +28,14 @@ impl<S: Space> Space for Images<'_, S> {
                 });
             };
             passed_m += met.metres;
+            last = Some(Obstacle {
+                metres: passed_m,
+                ..met
+            });
             (origin, direction) = face.reflected(point, direction, self.error_m);
         }
-        None
+        // The line counts as blocked, because it is unknown what lies beyond the last image.
+        last
     }
 
     fn distance(&self, point: DVec3) -> f64 {
