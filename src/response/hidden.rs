@@ -212,8 +212,12 @@ impl<'a> Obstacles<'a> {
 
     /// The pressure reflection coefficients of a surface, by its number, at a point, and by band.
     fn faces(&self) -> impl Fn(u32, DVec3) -> Bands {
-        let (scene, exact) = (self.pair.scene, self.early.exact());
-        move |surface, point| pressure_reflection(scene, exact, surface, point)
+        let (pair, exact) = (self.pair, self.early.exact());
+        let ends = [pair.source.position, pair.listener.position].map(|end| end.as_dvec3());
+        move |surface, point| {
+            let way_m = ends.iter().map(|end| end.distance(point)).sum::<f64>();
+            pressure_reflection(pair.scene, exact, surface, (point, AT_EDGE * way_m))
+        }
     }
 
     /// The paths around what hides the source from the listener; none if they see each other, or if either is in a solid.
@@ -349,17 +353,22 @@ impl<'a> Obstacles<'a> {
     }
 }
 
-/// Distance from an edge within which faces meet there, as a share of the scene's extent. Edges are found within 1e-5 of the
-/// length of a way.
+/// Distance from an edge within which faces meet there, as a share of the length of the way round it. Edges are found within
+/// 1e-5 of this length.
 const AT_EDGE: f64 = 1e-4;
 
 /// The share of the pressure that a surface reflects at a point, by band: 1 for a surface without a material. At the edge of
-/// a mesh, or of rooms, the mean of the faces that meet there.
-fn pressure_reflection(scene: &Scene, exact: &ExactScene, surface: u32, point: DVec3) -> Bands {
+/// a mesh, or of rooms, the mean of the faces within `reach_m` metres.
+fn pressure_reflection(
+    scene: &Scene,
+    exact: &ExactScene,
+    surface: u32,
+    (point, reach_m): (DVec3, f64),
+) -> Bands {
     let Some(index) = (surface as usize).checked_sub(1) else {
         return [1.0; BAND_COUNT];
     };
-    let groups = exact.groups_near(surface, point, AT_EDGE * exact.extent_m());
+    let groups = exact.groups_near(surface, point, reach_m);
     let groups = groups.into_iter().map(Some);
     let mut faces: Vec<Option<usize>> = groups.collect();
     if faces.is_empty() {
