@@ -157,12 +157,6 @@ impl Materials {
         self.scattering > 0
     }
 
-    /// The least share of its reflections that a face scatters, common to the bands.
-    pub fn least_scattering(&self) -> f32 {
-        let shares = self.distinct.iter().map(|one| self.share(&one.material));
-        shares.reduce(f32::min).unwrap_or(0.0)
-    }
-
     /// Whether the solid of any surface transmits.
     pub fn transmit(&self) -> bool {
         !self.transmitting.is_empty()
@@ -310,6 +304,12 @@ fn scattering_range(material: &Material, bands: &Range<usize>) -> [f64; 2] {
 pub fn common_scattering(material: &Material, bands: &Range<usize>) -> f64 {
     let [least, most] = scattering_range(material, bands);
     0.5 * (least + most)
+}
+
+/// The least share of its reflections that a face of the scene scatters, common to these bands.
+pub fn least_scattering(scene: &Scene, bands: &Range<usize>) -> f64 {
+    let shares = materials_met(scene).map(|material| common_scattering(&material, bands));
+    shares.reduce(f64::min).unwrap_or(0.0)
 }
 
 /// The share of the energy at the end of the evaluated decay: −30 dB.

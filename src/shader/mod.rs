@@ -42,7 +42,7 @@ pub(crate) use compiled_scene::CompiledScene;
 pub(crate) use distinct_materials::materials_met;
 pub use layout::Layout;
 pub use materials::Materials;
-pub(crate) use materials::{Spread, band_groups, common_scattering};
+pub(crate) use materials::{Spread, band_groups, common_scattering, least_scattering};
 pub(crate) use origin_rebasing::OriginRebasing;
 pub use pass_texts::Directions;
 #[cfg(feature = "picture")]

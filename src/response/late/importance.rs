@@ -18,7 +18,7 @@
 use super::pilot::Pilot;
 use crate::sampling::{hash, unit_interval};
 use crate::scene::{Scene, Source};
-use crate::shader::Materials;
+use crate::shader::least_scattering;
 use crate::sphere_cells::Cells;
 use crate::tracer::{Directions, Settings, Start};
 use glam::Vec3;
@@ -58,15 +58,15 @@ const DIVIDED: usize = 4;
 /// 0.06, and others of 0.2 to 0.6, with 65,536 waves and ten seeds each, T30 at 500 Hz had a noise below 2.5 % in 25 of
 /// 52 responses with even starts and in 45 of 50 with pilot waves if all walls scatter 0.1, but in 38 of 48 and 44 of 49
 /// if they scatter 0.14. Pilot waves multiplied the processor time by 1.7.
-const MOST_SCATTERING: f32 = 0.12;
+const MOST_SCATTERING: f64 = 0.12;
 
 /// Number of pilot waves. 0 if there are too few waves, if their directions are a lattice, which is even only as a
 /// whole, or if all faces scatter more than [`MOST_SCATTERING`] in these bands.
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
-    let has_few = || Materials::of(scene, bands.clone()).least_scattering() <= MOST_SCATTERING;
-    match PILOT_WAVES.contains(&waves) && is_random && has_few() {
+    let scatter_little = || least_scattering(scene, bands) <= MOST_SCATTERING;
+    match PILOT_WAVES.contains(&waves) && is_random && scatter_little() {
         true => waves,
         false => 0,
     }
@@ -409,6 +409,11 @@ mod tests {
         rough.scattering[3..6].fill(0.1);
         scene.materials.insert("smooth".to_owned(), rough);
         scene.surfaces[0].walls[0] = Some("smooth".to_owned());
+        assert_eq!(of(&scene, 1 << 18, Directions::Random), 1 << 16);
+        scene.surfaces[0].walls[0] = Some("mirror".to_owned());
+        scene
+            .materials
+            .insert("mirror".to_owned(), Material::MIRROR);
         assert_eq!(of(&scene, 1 << 18, Directions::Random), 1 << 16);
         let trace = Settings::default().with_waves(1 << 18);
         let mirrored = pilot_waves(&scene, &(0..3), &trace.with_directions(Directions::Random));

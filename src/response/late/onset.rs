@@ -35,7 +35,7 @@ impl Onset {
     pub const SHARE: f64 = 1.0 / 6.0;
 
     /// Length in seconds of the onset of a record of `seconds`, and its share of the record. `None` if the pair cannot
-    /// have an onset with more waves: its waves must scatter in all bands, or else pilot waves decide about their starts;
+    /// have an onset with more waves: its waves must scatter in all bands, or else pilot waves may decide about their starts;
     /// and the source must radiate evenly, or else its directivity decides.
     pub fn of_record(
         pair: Pair,
