@@ -95,7 +95,8 @@ impl Response {
 
     fn inexact_paths(&self, pair: Pair) -> Vec<String> {
         let mut texts = Vec::new();
-        if self.counts.arrivals == 0 && self.paths.is_empty() {
+        let is_silent = self.echogram.total().iter().all(|energy| *energy == 0.0);
+        if self.counts.arrivals == 0 && is_silent && self.paths.is_empty() {
             texts.push(silence::reason(pair, self.seconds));
         }
         if self.left_out > 0 {
