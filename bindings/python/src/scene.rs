@@ -233,15 +233,22 @@ impl Scene {
     }
 
     /// A name for a material of a surface or of one of its parts. It is `wanted` unless another surface or part has a
-    /// material of this name, for example after the removal of a surface has changed the numbers of others.
+    /// material of this name, for example after the removal of a surface has changed the numbers of others, or a material
+    /// of this name exists that the part does not have.
     fn material_name(&self, surface: &str, part: Option<&str>, wanted: &str) -> PyResult<String> {
         let mut others = self.clone();
         others.set_material(surface, part, "")?;
-        let is_used = |name: &str| {
-            let users = others.inner.surfaces.iter();
-            let mut names = users.flat_map(Surface::material_names);
+        let has = |scene: &Scene, name: &str| {
+            let mut names = scene
+                .inner
+                .surfaces
+                .iter()
+                .flat_map(Surface::material_names);
             names.any(|used| used == name)
         };
+        let is_own = |name: &str| has(self, name) && !has(&others, name);
+        let exists = |name: &str| self.inner.material_named(name).is_some();
+        let is_used = |name: &str| has(&others, name) || (exists(name) && !is_own(name));
         let mut name = wanted.to_owned();
         let mut number = 2;
         while is_used(&name) {
