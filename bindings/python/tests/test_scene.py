@@ -321,6 +321,7 @@ def test_sources_have_directions_and_levels():
         (lambda: em.responses([(em.Scene("corner"),)]), "an item must be a scene or (scene, source, listener)"),
         (lambda: em.response(em.Scene("corner"), accuracy="2%"), "accuracy must be a share, such as 0.02 for 2 %"),
         (lambda: em.responses([em.Scene("corner")], acuracy=1), 'there is no setting "acuracy"; there are: accuracy'),
+        (lambda: em.responses([em.Scene("corner")], worker=2), "did you mean workers?"),
         (lambda: em.trace(5), "scene must be a Scene, not 5"),
         (lambda: em.trace(em.Scene("corner"), waves="x"), "waves must be a whole number of waves, not 'x'"),
         (lambda: em.trace(em.Scene("corner"), waves=None), "waves must be a whole number of waves, not None"),
@@ -376,3 +377,26 @@ def test_pairs_are_chosen_by_name_or_number(room):
     room.clear_sources()
     room.clear_listeners()
     assert room.sources == room.listeners == {}
+
+
+def test_misspelt_attributes_are_refused(room):
+    """Protects users from settings without effect: an attribute that a scene lacks cannot be set."""
+    for name in ("scatering", "air", "seconds"):
+        with pytest.raises(AttributeError, match=f"no attribute '{name}'"):
+            setattr(room, name, 0.2)
+    room.scattering = 0.2
+    assert copy.copy(room).scattering == 0.2
+
+
+def test_materials_keep_the_names_of_others(room):
+    """Protects built-in and added materials: a surface with the same name gets a material of another name."""
+    room.add_material("2", 0.7)
+    room.add_surface("Sphere(radius: 0.5)", (1, 0, 0), material=0.5)
+    room.add_surface("Sphere(radius: 0.4)", (-1, 0, 0), material=0.5, name="carpet")
+    room.add_surface("Sphere(radius: 0.3)", (0, 0, 1), material="carpet")
+    text = room.to_ron()
+    assert '"2": Material(absorption: 0.7)' in text
+    assert text.count('material: "carpet"') == 1
+    # A material of its own is replaced, also with the changed name.
+    room.set_material("carpet", 0.25)
+    assert room.to_ron().count("carpet (2)") == text.count("carpet (2)")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import os
 import warnings
@@ -185,7 +186,9 @@ def checked(given: Dict[str, Any]) -> Dict[str, Any]:
     """Return settings after a check of their names and types. The extension module refuses bad ranges."""
     for name in given:
         if name not in _SETTINGS:
-            raise SettingsError(f'there is no setting "{name}"; there are: {", ".join(_SETTINGS)}')
+            nearest = difflib.get_close_matches(name, [*_SETTINGS, "workers", "progress"], 1)
+            meant = f"; did you mean {nearest[0]}?" if nearest else ""
+            raise SettingsError(f'there is no setting "{name}"; there are: {", ".join(_SETTINGS)}{meant}')
     return {name: _SETTINGS[name](name, value) for name, value in given.items()}
 
 

@@ -84,6 +84,11 @@ class Scene:
         self._materials: Dict[str, Material] = {}
         self._scattering: PerBand = 0.0
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            raise AttributeError(f"a Scene has no attribute {name!r} that can be set: set scattering, or call a method")
+        object.__setattr__(self, name, value)
+
     @classmethod
     def _of(cls, axes: str, start: str, *arguments: Any) -> "Scene":
         scene = cls.__new__(cls)
