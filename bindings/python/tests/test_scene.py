@@ -100,7 +100,7 @@ def test_a_refused_change_leaves_the_scene_as_it_was(room, scattering):
         room.set(door=0.5, dor=1)
     with pytest.raises(em.SettingsError, match='has no part "flor".*did you mean floor?'):
         room.set_material("room", 0.4, part="flor")
-    with pytest.raises(em.SceneError, match="the material door: an absorption must be 0 to 1"):
+    with pytest.raises(em.SceneError, match="an absorption must be 0 to 1"):
         room.set_material("door", 2)
     with pytest.raises(em.SceneError, match="temperature"):
         room.set_air(200)
@@ -394,8 +394,8 @@ def test_materials_keep_the_names_of_others(room):
     room.add_surface("Sphere(radius: 0.5)", (1, 0, 0), material=0.5)
     room.add_surface("Sphere(radius: 0.4)", (-1, 0, 0), material=0.5, name="carpet")
     room.add_surface("Sphere(radius: 0.3)", (0, 0, 1), material="carpet")
-    text = room.to_ron()
-    assert '"2": Material(absorption: 0.7)' in text
+    text = " ".join(room.to_ron().split())
+    assert '"2": Material( absorption: 0.7' in text and '"2 (2)": Material( absorption: 0.5' in text
     assert text.count('material: "carpet"') == 1
     # A material of its own is replaced, also with the changed name.
     room.set_material("carpet", 0.25)
