@@ -312,6 +312,18 @@ pub enum Warning {
         /// The longest edge of the box around its air, in metres.
         length: f64,
     },
+    /// Air whose humidity is at most 1 %, and probably stated as a share.
+    DryAir {
+        /// Relative humidity in per cent.
+        humidity: f64,
+    },
+    /// A material that is lighter than any solid.
+    LightSolid {
+        /// Name of the material.
+        material: String,
+        /// Density in kg/m³.
+        density: f64,
+    },
     /// A mesh with a defect that changes what is heard.
     OddMesh {
         /// The surface.
@@ -341,6 +353,15 @@ impl fmt::Display for Warning {
             Warning::LargeRoom { surface, length } => write!(
                 f,
                 "{surface}: it is {length} m long: if its unit is not the metre, state its lengths in metres"
+            ),
+            Warning::DryAir { humidity } => write!(
+                f,
+                "the air's humidity is {humidity} %: if it is a share, state it in per cent ({})",
+                100.0 * humidity
+            ),
+            Warning::LightSolid { material, density } => write!(
+                f,
+                "the density of the material {material:?} is {density} kg/m³, less than that of any solid: if it is in g/cm³, multiply it by 1000"
             ),
             Warning::SourceInsideSurface {
                 source,

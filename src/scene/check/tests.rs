@@ -292,10 +292,41 @@ fn rooms_in_millimetres_are_warned_of() {
         "surface 1 (Room): it is 8000 m long: if its unit is not the metre, state its lengths in metres"
     );
     assert!(told(rooms([8e3, 3e3, 5e3])).is_some() && told(hollow(501.0)).is_some());
+    // Centimetres.
+    assert!(told(room([800.0, 250.0, 500.0])).is_some() && told(hollow(76.0)).is_some());
     assert_eq!(told(room([1e3, 3.0, 5.0])), None);
     assert_eq!(told(rooms([8.0, 3.0, 5.0])), None);
-    assert_eq!(told(hollow(499.0)), None);
+    assert_eq!(told(hollow(74.0)), None);
     assert_eq!(told(Shape::from(Plane)), None);
+}
+
+/// Protects humidities in per cent from being stated as shares, and densities in kg/m³ from g/cm³.
+#[test]
+fn odd_units_are_warned_of() {
+    let told = |humidity: f64, density: f64| {
+        let (source, listener) = (Source::at(Vec3::ZERO), Listener::at(Vec3::ONE, 0.3));
+        let mut surface = Surface::new(Room {
+            size: Vec3::splat(9.0),
+        });
+        surface.material = Some("concrete".to_owned());
+        let mut scene = Scene::new("s", vec![surface], source, listener);
+        let concrete = Material::absorbing(0.02).transmitting(Transmission::of_density(density));
+        scene.materials.insert("concrete".to_owned(), concrete);
+        scene.air = Some(Air {
+            humidity,
+            ..Air::default()
+        });
+        let warnings = scene.warnings();
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        told(0.5, 2.4),
+        [
+            "the air's humidity is 0.5 %: if it is a share, state it in per cent (50)",
+            "the density of the material \"concrete\" is 2.4 kg/m³, less than that of any solid: if it is in g/cm³, multiply it by 1000"
+        ]
+    );
+    assert!(told(50.0, 2400.0).is_empty() && told(0.0, 9.0).is_empty());
 }
 
 /// Protects the warnings: they name the surface, and the scene is not rejected.
