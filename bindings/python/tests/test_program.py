@@ -190,3 +190,17 @@ def test_studies_equal_the_programs(program, tmp_path):
     np.testing.assert_array_equal(read.run(), rows)
     with pytest.raises(em.StudyError, match="none.ron"):
         em.Study(tmp_path / "none.ron")
+
+
+def test_a_study_maps_an_own_scene(room, tmp_path):
+    """Protects maps of scenes whose listener has a name, as the listeners of this package do."""
+    room.save(tmp_path / "room.ron")
+    study = tmp_path / "map.ron"
+    study.write_text(
+        'Study(scenes: [Scene(of: "room.ron")], settings: All(waves: [4096]), '
+        "listeners: Grid(from: (-3, 0, -2), to: (3, 0, 2), counts: (2, 1, 2)), "
+        "keep: Keep(response: Response(figures: [g], bands_hz: [1000], seconds: 1)))"
+    )
+    table = em.Study(study).run()
+    assert list(table["listener_x_m"]) == [-3, 3, -3, 3]
+    assert len(np.unique(table["g_db_1000"])) == 4 and np.all(table["g_db_1000"] > 0)

@@ -137,6 +137,8 @@ impl<'a> Worker<'a> {
         let listener = scene.listeners[0].clone();
         let at_point = |index: &usize| {
             let mut listener = listener.clone();
+            // Listeners of one scene must have different names.
+            listener.name = None;
             if let Some(position) = self.study.listener_of(&block[*index]) {
                 listener.position = position;
             }
