@@ -39,7 +39,8 @@ pub fn pose(basis: [[f32; 3]; 3], origin: [f32; 3]) -> Pose {
 struct Known<Id> {
     /// `None` if the simulator refused it.
     id: Option<Id>,
-    text: String,
+    /// `None` before the first text.
+    text: Option<String>,
     turns: bool,
     pose: Option<Pose>,
 }
@@ -49,7 +50,7 @@ impl<Id> Default for Known<Id> {
     fn default() -> Known<Id> {
         Known {
             id: None,
-            text: String::new(),
+            text: None,
             turns: false,
             pose: None,
         }
@@ -107,8 +108,8 @@ impl Acoustics {
         pose: Pose,
     ) -> Result<(), Error> {
         let known = self.surfaces.entry(node).or_default();
-        if known.text != text || known.turns != turns {
-            (known.text, known.turns) = (text.to_owned(), turns);
+        if known.text.as_deref() != Some(text) || known.turns != turns {
+            (known.text, known.turns) = (Some(text.to_owned()), turns);
             let surface = surface(text, turns, &self.materials)?;
             match known.id {
                 Some(id) => self.simulator.set_surface(id, surface)?,
@@ -129,8 +130,8 @@ impl Acoustics {
     /// A fault in the text, once, or in the pose.
     pub fn source(&mut self, node: NodeId, text: &str, pose: Pose) -> Result<(), Error> {
         let known = self.sources.entry(node).or_default();
-        if known.text != text {
-            text.clone_into(&mut known.text);
+        if known.text.as_deref() != Some(text) {
+            known.text = Some(text.to_owned());
             let id = self.simulator.add_source(source(text, &self.materials)?)?;
             let mut sound = VecDeque::with_capacity(self.most_samples);
             if let Some(old) = known.id.replace(id) {

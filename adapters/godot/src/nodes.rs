@@ -35,6 +35,8 @@ pub struct EchomarchWorld {
     #[init(val = "Master".into())]
     bus: StringName,
     acoustics: Option<Acoustics>,
+    /// Plays the output. It stops when the world leaves the tree.
+    player: Option<Gd<AudioStreamPlayer>>,
     playback: Option<Gd<AudioStreamGeneratorPlayback>>,
     /// Frames of the output that stay free: its length is a power of two, more than `buffer_s`.
     spare: i32,
@@ -53,6 +55,8 @@ impl INode for EchomarchWorld {
                 self.base_mut().set_process(true);
                 self.start();
             }
+            // Children are in the tree here, and before READY there is no player.
+            NodeNotification::POST_ENTER_TREE => self.play_output(),
             NodeNotification::PROCESS => self.play(),
             _ => (),
         }
@@ -92,11 +96,20 @@ impl EchomarchWorld {
         player.set_volume_db(self.volume_db);
         player.set_bus(&self.bus);
         self.base_mut().add_child(&player);
+        self.player = Some(player);
+        self.play_output();
+        let frames = (self.buffer_s * rate_hz) as i32;
+        self.spare = self.free() - frames.clamp(0, self.free());
+    }
+
+    /// Starts the player, also after the world was outside the tree.
+    fn play_output(&mut self) {
+        let Some(player) = &mut self.player else {
+            return;
+        };
         player.play();
         let playback = player.get_stream_playback();
         self.playback = playback.and_then(|playback| playback.try_cast().ok());
-        let frames = (self.buffer_s * rate_hz) as i32;
-        self.spare = self.free() - frames.clamp(0, self.free());
     }
 
     fn play(&mut self) {

@@ -22,6 +22,7 @@ const ROOM: &str = "Surface(shape: Room(size: (8, 3, 6)), material: \"door\")";
 const HALL: i64 = -9_223_372_000_000;
 const WALL: i64 = 25;
 const DOG: i64 = 26;
+const CAT: i64 = 27;
 
 fn acoustics() -> Result<Acoustics, Error> {
     let settings = SimulatorSettings::default().with_seconds(0.3, 0.3);
@@ -122,6 +123,14 @@ fn a_fault_is_reported_once() -> Result<(), Error> {
     let told = told.expect_err("an unknown material").to_string();
     assert!(told.contains("brik"), "{told}");
     acoustics.surface(WALL, bad, false, Pose::default())?;
+    for empty in ["", " "] {
+        acoustics
+            .surface(CAT, empty, false, Pose::default())
+            .expect_err("no surface");
+        acoustics
+            .source(CAT, empty, Pose::default())
+            .expect_err("no source");
+    }
     let flat = pose([[1.0, 0.0, 0.0]; 3], [0.0; 3]);
     acoustics
         .source(DOG, "Source()", flat)
