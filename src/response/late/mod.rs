@@ -28,6 +28,7 @@ use crate::bands::{BAND_COUNT, Bands, greater};
 use crate::error::Error;
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, Echogram, uncertain_energy};
+use crate::sampling::hash;
 use crate::scene::{Pair, Scene};
 use crate::shader::materials_met;
 use crate::tracer::{
@@ -265,8 +266,9 @@ impl LateWaves<'_> {
         let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
         self.sums.clone_from_slice(&before);
         let waves = trace.waves - pilot_waves;
+        let trace = reseeded(trace, DRAWN);
         let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
-        self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
+        self.follow(&trace, &WavesToFollow::Starts { waves, of: &of }, None)
     }
 
     /// Traces all waves. Their starts are drawn by the directivity of the source if the source radiates in a narrow
@@ -295,7 +297,8 @@ impl LateWaves<'_> {
         batches: usize,
     ) -> Result<Importance, Error> {
         let half = directions.len() as u32;
-        let mut starts = importance.starts(0..half, half, batches, !trace.seed);
+        let trace = reseeded(trace, SECOND_HALF);
+        let mut starts = importance.starts(0..half, half, batches, trace.seed);
         // The energies of the first half are shares of the energy of all waves. The second half uses the same scale.
         let share = half as f32 / trace.waves as f32;
         starts.iter_mut().for_each(|start| start.weight *= share);
@@ -307,7 +310,7 @@ impl LateWaves<'_> {
             waves: half,
             of: &of,
         };
-        self.follow(trace, &drawn, Some(&mut pilot))?;
+        self.follow(&trace, &drawn, Some(&mut pilot))?;
         Ok(Importance::refined(&pilot, &directions))
     }
 
@@ -355,6 +358,17 @@ impl LateWaves<'_> {
         self.tracer
             .arrivals_through(heard_in, trace, self.how, waves, &mut take, passing)
     }
+}
+
+/// The sets of waves with drawn starts: the second half of the pilot waves, and the waves after them. All sets number
+/// their waves from 0.
+const SECOND_HALF: u64 = 1;
+const DRAWN: u64 = 2;
+
+/// The settings with a seed for this set of waves, so that scattering in different sets is independent.
+fn reseeded(trace: &Settings, set: u64) -> Settings {
+    let seed = hash(set << u32::BITS | u64::from(trace.seed));
+    trace.clone().with_seed(seed as u32)
 }
 
 impl Heard<'_> {
