@@ -25,6 +25,7 @@ fn _echomarch(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<study::Study>()?;
     module.add_function(wrap_pyfunction!(response::responses, module)?)?;
     module.add_function(wrap_pyfunction!(scene::which_it_has, module)?)?;
+    module.add_function(wrap_pyfunction!(scene::there_is_no, module)?)?;
     module.add_function(wrap_pyfunction!(trace::trace, module)?)?;
     module.add_function(wrap_pyfunction!(worker::choose_renderer, module)?)?;
     module.add_function(wrap_pyfunction!(worker::choose_field_trial, module)?)?;

@@ -73,6 +73,13 @@ pub fn which_it_has(refused: &str, typed: &str, names: Vec<String>) -> String {
     text::which_it_has(refused, typed, &names)
 }
 
+/// A message about an unknown name of a kind, with all existing names and the most similar one.
+#[pyfunction]
+pub fn there_is_no(what: &str, typed: &str, known: Vec<String>) -> String {
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    text::there_is_no(what, typed, &known)
+}
+
 /// The index of a source or listener given by its name, or by its number from 1.
 fn placed(what: &str, label: &str, labels: &[String]) -> PyResult<usize> {
     let by_number = || label.parse::<usize>().ok()?.checked_sub(1);
@@ -297,16 +304,26 @@ impl Scene {
         Ok(())
     }
 
+    /// Returns the index of a source, given by its name or its number from 1.
+    fn source_index(&self, label: &str) -> PyResult<usize> {
+        placed("source", label, &self.inner.source_labels())
+    }
+
+    /// Returns the index of a listener, given by its name or its number from 1.
+    fn listener_index(&self, label: &str) -> PyResult<usize> {
+        placed("listener", label, &self.inner.listener_labels())
+    }
+
     /// Removes a source, given by its name or its number from 1.
     fn remove_source(&mut self, label: &str) -> PyResult<()> {
-        let index = placed("source", label, &self.inner.source_labels())?;
+        let index = self.source_index(label)?;
         self.inner.sources.remove(index);
         Ok(())
     }
 
     /// Removes a listener, given by its name or its number from 1.
     fn remove_listener(&mut self, label: &str) -> PyResult<()> {
-        let index = placed("listener", label, &self.inner.listener_labels())?;
+        let index = self.listener_index(label)?;
         self.inner.listeners.remove(index);
         Ok(())
     }

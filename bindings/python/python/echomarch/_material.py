@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _arguments
 from ._echomarch import BUILTIN_MATERIALS
+from ._echomarch import Scene as _Scene
 
 PerBand = Union[float, Sequence[float]]
 """One number for all octave bands, or eight numbers: 63, 125, 250, 500 Hz, 1, 2, 4 and 8 kHz."""
@@ -46,14 +47,21 @@ class Material:
     reduction: Optional[PerBand] = None
     thickness: Optional[float] = None
 
-    def _fields(self, scattering: PerBand) -> str:
-        """Return the fields in the notation of scene files. `scattering` stands for a scattering that is not stated."""
-        stated = self.scattering if self.scattering is not None else scattering
-        fields = [f"absorption: {_in_notation('absorption', self.absorption)}"]
-        for name, value in {**vars(self), "scattering": stated}.items():
-            if name != "absorption" and value is not None:
-                fields.append(f"{name}: {_in_notation(name, value)}")
-        return ", ".join(fields)
+    def __post_init__(self) -> None:
+        """Refuse values out of range, and fields that need others."""
+        _Scene.empty("").add_material("", fields(self, 0.0), "the material")
+
+
+def fields(material: Union[PerBand, Material], scattering: PerBand) -> str:
+    """Return the fields of a material or of an absorption in the notation of scene files.
+
+    `scattering` stands for a scattering that is not stated.
+    """
+    stated = dict(vars(material)) if isinstance(material, Material) else {"absorption": material}
+    if stated.get("scattering") is None:
+        stated["scattering"] = scattering
+    given = {name: value for name, value in stated.items() if name == "absorption" or value is not None}
+    return ", ".join(f"{name}: {_in_notation(name, value)}" for name, value in given.items())
 
 
 AnyMaterial = Union[float, Sequence[float], str, Material]

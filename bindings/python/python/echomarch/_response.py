@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import os
 import warnings
@@ -186,9 +185,8 @@ def checked(given: Dict[str, Any]) -> Dict[str, Any]:
     """Return settings after a check of their names and types. The extension module refuses bad ranges."""
     for name in given:
         if name not in _SETTINGS:
-            nearest = difflib.get_close_matches(name, [*_SETTINGS, "workers", "progress"], 1)
-            meant = f"; did you mean {nearest[0]}?" if nearest else ""
-            raise SettingsError(f'there is no setting "{name}"; there are: {", ".join(_SETTINGS)}{meant}')
+            known = [*_SETTINGS, "workers", "progress"]
+            raise SettingsError(_echomarch.there_is_no("setting", name, known))
     return {name: _SETTINGS[name](name, value) for name, value in given.items()}
 
 
@@ -497,6 +495,8 @@ def write_sofa(
             raise _arguments.refused("responses", takes, responses)
         heard.append(each._heard)
     path = _arguments.path("file", file)
+    if not path.lower().endswith(".sofa"):
+        raise _arguments.refused("file", "a path that ends in .sofa", file)
     _echomarch.Heard.write_sofa(path, heard, *_impulse_settings(rate, format, sofa, seed, order))
 
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _arguments, _axes, _echomarch
 from ._errors import SettingsError
-from ._material import AnyMaterial, Material, PerBand, number
+from ._material import AnyMaterial, Material, PerBand, fields as _fields, number
 
 Vector = Sequence[float]
 AnyPath = Union[str, "os.PathLike[str]"]
@@ -290,6 +290,8 @@ class Scene:
             place: Sequence[Union[float, str]] = position
         else:
             place = self._place("the position of a surface", position)
+        if name is not None and name in self.surfaces:
+            raise SettingsError(f'the scene already has a surface "{name}"')
         label = name if name is not None else str(len(self.surfaces) + 1)
         fields = [
             f"shape: {_arguments.text('shape', 'a text in the notation of scene files', shape)}",
@@ -333,10 +335,8 @@ class Scene:
             The absorption, or the whole material.
         """
         _arguments.text("the name of a material", "a text", name)
-        if not isinstance(material, Material):
-            material = Material(material)
-        self._do("add_material", name, material._fields(self._scattering), f"the material {name}")
-        self._materials[name] = material
+        self._do("add_material", name, _fields(material, self._scattering), f"the material {name}")
+        self._materials[name] = material if isinstance(material, Material) else Material(material)
 
     def set_material(self, surface: Union[str, int], material: AnyMaterial, *, part: Optional[str] = None) -> None:
         """Give a surface, or a part of it, a material.
@@ -625,10 +625,12 @@ class Scene:
     # Choice of pairs
 
     def _pair(self, source: Union[str, int, None], listener: Union[str, int, None]) -> Tuple[int, int]:
-        return (
-            _chosen("source", [label for label, _ in self._raw.sources()], source),
-            _chosen("listener", [label for label, _ in self._raw.listeners()], listener),
-        )
+        if source is None:
+            source = _only("source", self._raw.sources())
+        source_index = self._raw.source_index(_label("source", source))
+        if listener is None:
+            listener = _only("listener", self._raw.listeners())
+        return source_index, self._raw.listener_index(_label("listener", listener))
 
     def pairs(self) -> List[Tuple["Scene", str, str]]:
         """Return all pairs of a source and a listener, ``(scene, source, listener)``, for :func:`responses`."""
@@ -651,21 +653,14 @@ def _label(what: str, given: Any) -> str:
     return str(_arguments.whole(what, f"the name or the number of a {what}", given))
 
 
-def _chosen(what: str, labels: List[str], wanted: Union[str, int, None]) -> int:
-    """Return the index of a source or listener, given by name, number from 1, or not at all if there is only one."""
-    if wanted is None and len(labels) == 1:
-        return 0
-    if wanted is not None and str(wanted) in labels:
-        return labels.index(str(wanted))
-    number = getattr(wanted, "__index__", lambda: 0)()
-    if 1 <= number <= len(labels):
-        return number - 1
-    if not labels:
+def _only(what: str, all_of_them: List[Tuple[str, Any]]) -> str:
+    """Return the name of the only source or listener."""
+    if not all_of_them:
         raise SettingsError(f"the scene has no {what}: add one with add_{what}")
-    known = ", ".join(labels)
-    if wanted is None:
-        raise SettingsError(f"the scene has {len(labels)} {what}s ({known}): choose one with {what}=")
-    raise SettingsError(_echomarch.which_it_has(f'the scene has no {what} "{wanted}"', str(wanted), labels))
+    labels = [label for label, _ in all_of_them]
+    if len(labels) > 1:
+        raise SettingsError(f"the scene has {len(labels)} {what}s ({', '.join(labels)}): choose one with {what}=")
+    return labels[0]
 
 
 def _warn(text: str) -> None:
