@@ -60,13 +60,23 @@ const DIVIDED: usize = 4;
 /// if they scatter 0.14. Pilot waves multiplied the processor time by 1.7.
 const MOST_SCATTERING: f64 = 0.12;
 
+/// Greatest number of waves with pilot waves if all faces scatter. Chance decides which of these waves stay between two
+/// walls, so that pilot waves predict only a part, and more waves need no prediction. In the eight rooms with a
+/// scattering of 0.1, the squared deviation of T30 from the truth was on average 2.4, 1.5, 0.7 and 0.9 times the stated
+/// square with even starts and 16,384, 65,536, 131,072 and 262,144 waves; with pilot waves 1.6, 1.3, 1.3 and 2.3 times.
+const MOST_WAVES_SCATTERED: u32 = 65_536;
+
 /// Number of pilot waves. 0 if there are too few waves, if their directions are a lattice, which is even only as a
-/// whole, or if all faces scatter more than [`MOST_SCATTERING`] in these bands.
+/// whole, or if all faces scatter in these bands and there are more waves than [`MOST_WAVES_SCATTERED`], or all scatter
+/// more than [`MOST_SCATTERING`].
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
-    let scatter_little = || least_scattering(scene, bands) <= MOST_SCATTERING;
-    match PILOT_WAVES.contains(&waves) && is_random && scatter_little() {
+    let may_matter = || match least_scattering(scene, bands) {
+        0.0 => true,
+        least => least <= MOST_SCATTERING && trace.waves <= MOST_WAVES_SCATTERED,
+    };
+    match PILOT_WAVES.contains(&waves) && is_random && may_matter() {
         true => waves,
         false => 0,
     }
@@ -409,7 +419,8 @@ mod tests {
         rough.scattering[3..6].fill(0.1);
         scene.materials.insert("smooth".to_owned(), rough);
         scene.surfaces[0].walls[0] = Some("smooth".to_owned());
-        assert_eq!(of(&scene, 1 << 18, Directions::Random), 1 << 16);
+        assert_eq!(of(&scene, 1 << 16, Directions::Random), 1 << 14);
+        assert_eq!(of(&scene, 1 << 18, Directions::Random), 0);
         scene.surfaces[0].walls[0] = Some("mirror".to_owned());
         scene
             .materials
