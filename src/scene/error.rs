@@ -317,7 +317,7 @@ pub enum Warning {
         /// Relative humidity in per cent.
         humidity: f64,
     },
-    /// A material that is lighter than any solid.
+    /// A material with a density below 8 kg/m³, which is probably stated in g/cm³.
     LightSolid {
         /// Name of the material.
         material: String,
@@ -357,11 +357,11 @@ impl fmt::Display for Warning {
             Warning::DryAir { humidity } => write!(
                 f,
                 "the air's humidity is {humidity} %: if it is a share, state it in per cent ({})",
-                100.0 * humidity
+                (1e4 * humidity).round() / 100.0
             ),
             Warning::LightSolid { material, density } => write!(
                 f,
-                "the density of the material {material:?} is {density} kg/m³, less than that of any solid: if it is in g/cm³, multiply it by 1000"
+                "the density of the material {material:?} is {density} kg/m³, less than that of most foams: if it is in g/cm³, multiply it by 1000"
             ),
             Warning::SourceInsideSurface {
                 source,

@@ -293,10 +293,10 @@ fn rooms_in_millimetres_are_warned_of() {
     );
     assert!(told(rooms([8e3, 3e3, 5e3])).is_some() && told(hollow(501.0)).is_some());
     // Centimetres.
-    assert!(told(room([800.0, 250.0, 500.0])).is_some() && told(hollow(76.0)).is_some());
+    assert!(told(room([800.0, 250.0, 500.0])).is_some() && told(hollow(101.0)).is_some());
     assert_eq!(told(room([1e3, 3.0, 5.0])), None);
     assert_eq!(told(rooms([8.0, 3.0, 5.0])), None);
-    assert_eq!(told(hollow(74.0)), None);
+    assert_eq!(told(hollow(99.0)), None);
     assert_eq!(told(Shape::from(Plane)), None);
 }
 
@@ -320,10 +320,10 @@ fn odd_units_are_warned_of() {
         warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     assert_eq!(
-        told(0.5, 2.4),
+        told(0.55, 2.4),
         [
-            "the air's humidity is 0.5 %: if it is a share, state it in per cent (50)",
-            "the density of the material \"concrete\" is 2.4 kg/m³, less than that of any solid: if it is in g/cm³, multiply it by 1000"
+            "the air's humidity is 0.55 %: if it is a share, state it in per cent (55)",
+            "the density of the material \"concrete\" is 2.4 kg/m³, less than that of most foams: if it is in g/cm³, multiply it by 1000"
         ]
     );
     assert!(told(50.0, 2400.0).is_empty() && told(0.0, 9.0).is_empty());

@@ -5,12 +5,12 @@ use crate::scene::shape::Asset;
 use crate::scene::{Node, ROUNDING, Scene, Surface, Transmission, Warning};
 use glam::{DVec3, Vec3};
 
-/// Smallest edge in metres of the box around the air of a room above which the unit is probably not the metre. No hall is
-/// as high; a room of 2.5 m in centimetres has 250.
-const HIGHEST_USUAL_M: f64 = 150.0;
+/// Shortest edge in metres of the box around the air of a room above which the unit is probably not the metre. Hardly any
+/// hall is as high; a room of 2.5 m in centimetres has 250.
+const LONGEST_USUAL_SHORT_EDGE_M: f64 = 200.0;
 
-/// Density in kg/m³ below which the unit is probably not kg/m³. The lightest absorbers have about 9 kg/m³; steel has 7.8
-/// in g/cm³.
+/// Density in kg/m³ below which the unit is probably not kg/m³. Nearly all foams are heavier; concrete has 2.4 in g/cm³,
+/// and steel 7.8.
 const LEAST_USUAL_DENSITY: f64 = 8.0;
 
 impl Scene {
@@ -43,7 +43,7 @@ impl Scene {
         for (index, surface) in self.surfaces.iter().enumerate() {
             let size = surface.room_size();
             let is_large = |size: &DVec3| {
-                size.max_element() > LARGEST_USUAL_M || size.min_element() > HIGHEST_USUAL_M
+                size.max_element() > LARGEST_USUAL_M || size.min_element() > LONGEST_USUAL_SHORT_EDGE_M
             };
             warnings.extend(size.filter(is_large).map(|size| Warning::LargeRoom {
                 surface: surface.label(index),
