@@ -486,6 +486,10 @@ def write_sofa(
     rate, format, sofa, seed, order
         As in :meth:`Response.ir`.
     """
+    path = _arguments.path("file", file)
+    if not path.lower().endswith(".sofa"):
+        raise _arguments.refused("file", "a path that ends in .sofa", file)
+    settings = _impulse_settings(rate, format, sofa, seed, order)
     takes = "a list of responses"
     if not hasattr(responses, "__iter__"):
         raise _arguments.refused("responses", takes, responses)
@@ -494,10 +498,7 @@ def write_sofa(
         if not isinstance(each, Response):
             raise _arguments.refused("responses", takes, responses)
         heard.append(each._heard)
-    path = _arguments.path("file", file)
-    if not path.lower().endswith(".sofa"):
-        raise _arguments.refused("file", "a path that ends in .sofa", file)
-    _echomarch.Heard.write_sofa(path, heard, *_impulse_settings(rate, format, sofa, seed, order))
+    _echomarch.Heard.write_sofa(path, heard, *settings)
 
 
 def _impulse_settings(

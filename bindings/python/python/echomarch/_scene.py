@@ -290,9 +290,9 @@ class Scene:
             place: Sequence[Union[float, str]] = position
         else:
             place = self._place("the position of a surface", position)
-        if name is not None and name in self.surfaces:
-            raise SettingsError(f'the scene already has a surface "{name}"')
         label = name if name is not None else str(len(self.surfaces) + 1)
+        if label in self.surfaces:
+            raise SettingsError(f'the scene already has a surface "{label}": give this one another name')
         fields = [
             f"shape: {_arguments.text('shape', 'a text in the notation of scene files', shape)}",
             f"position: {_vector('the position of a surface', _PLACE, place)}",
