@@ -35,7 +35,7 @@ pub struct EchomarchWorld {
     #[init(val = "Master".into())]
     bus: StringName,
     acoustics: Option<Acoustics>,
-    /// Plays the output. It stops when the world leaves the tree.
+    /// Plays the output. The engine pauses it while the world is outside the tree.
     player: Option<Gd<AudioStreamPlayer>>,
     playback: Option<Gd<AudioStreamGeneratorPlayback>>,
     /// Frames of the output that stay free: its length is a power of two, more than `buffer_s`.
@@ -102,7 +102,7 @@ impl EchomarchWorld {
         self.spare = self.free() - frames.clamp(0, self.free());
     }
 
-    /// Starts the player, also after the world was outside the tree.
+    /// Starts the player anew, so that sound from before the world left the tree is not heard.
     fn play_output(&mut self) {
         let Some(player) = &mut self.player else {
             return;
@@ -235,6 +235,7 @@ fn pose_of(node: &Gd<Node3D>) -> Pose {
 pub struct EchomarchSurface {
     /// The shape and the material as in scene files: `Surface(shape: Box(size: (1, 2, 3)), material: "brick")`.
     #[export(multiline)]
+    #[init(val = "Surface(shape: Box(size: (1, 1, 1)))".into())]
     surface: GString,
     /// Whether it will turn, so that its first turn compiles nothing.
     #[export]
