@@ -360,8 +360,8 @@ impl LateWaves<'_> {
     }
 }
 
-/// The sets of waves with drawn starts: the second half of the pilot waves, and the waves after them. All sets number
-/// their waves from 0.
+/// The sets of waves whose starts are drawn by importance: the second half of the pilot waves, and the waves after them.
+/// They and the first half of the pilot waves number their waves from 0.
 const SECOND_HALF: u64 = 1;
 const DRAWN: u64 = 2;
 

@@ -29,7 +29,7 @@ fn sentence(room: &Surface, flutter: &Flutter) -> String {
     let [one, other] = flutter.walls.map(|wall| room.short_label(0, Some(wall)));
     let scatters = match flutter.nothing_scatters {
         true => "nothing scatters: give the scene a scattering, such as 0.1",
-        false => "too little scatters: more scattering or absorption of one of them shortens it",
+        false => "more scattering or absorption of one of these walls shortens T30",
     };
     format!(
         "T30 is more than 1.5 times Eyring's ({}): flutter echo between {one} and {other}; {scatters} (docs/scene-format.md)",
