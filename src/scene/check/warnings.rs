@@ -43,7 +43,8 @@ impl Scene {
         for (index, surface) in self.surfaces.iter().enumerate() {
             let size = surface.room_size();
             let is_large = |size: &DVec3| {
-                size.max_element() > LARGEST_USUAL_M || size.min_element() > LONGEST_USUAL_SHORT_EDGE_M
+                size.max_element() > LARGEST_USUAL_M
+                    || size.min_element() > LONGEST_USUAL_SHORT_EDGE_M
             };
             warnings.extend(size.filter(is_large).map(|size| Warning::LargeRoom {
                 surface: surface.label(index),
