@@ -35,9 +35,12 @@ pub fn player(
     Player::new(sounds, played(scene, rate_hz), FIRST_GAIN)
 }
 
-/// The specification of a scene's player.
+/// The specification of a scene's player. The sound is always split into octave bands, because diffraction can be
+/// switched on at any time.
 fn played(scene: &Scene, rate_hz: u32) -> Spec {
-    Spec::of(scene, rate_hz).with_longest(LONGEST_S)
+    Spec::of(scene, rate_hz)
+        .with_diffraction(true)
+        .with_longest(LONGEST_S)
 }
 
 /// A silent sound.
@@ -369,6 +372,13 @@ mod tests {
         check(&mut mix, "full");
         mix.set_listen(Listen::Balance);
         check(&mut mix, "balance");
+    }
+
+    /// Protects the timbre of sound that bends around obstacles in scenes whose materials change no timbre.
+    #[test]
+    fn sound_is_split_into_bands_in_every_scene() {
+        let scene = Scene::builtin("corner").unwrap();
+        assert!(!scene.has_bands() && played(&scene, RATE_HZ).has_bands);
     }
 
     /// Protects a new scene: messages that arrive during the fade of the old scene belong to the new scene.

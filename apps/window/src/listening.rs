@@ -34,7 +34,6 @@ impl App {
         let wanted = InFull {
             sound: self.choices.sound.clone(),
             sources: scene.sources.len(),
-            has_bands: scene.has_bands(),
         };
         if self.in_full.as_ref() != Some(&wanted) {
             self.speaker.play_in_full(ears, scene, &wanted.sound);

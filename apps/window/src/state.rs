@@ -12,7 +12,6 @@ use std::collections::HashMap;
 pub struct InFull {
     pub sound: String,
     pub sources: usize,
-    pub has_bands: bool,
 }
 
 /// The scene and the settings on which the time of a frame of waves depends. A number of waves that adapts is not
