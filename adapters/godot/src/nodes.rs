@@ -55,7 +55,7 @@ impl INode for EchomarchWorld {
                 self.base_mut().set_process(true);
                 self.start();
             }
-            // Children are in the tree here, and before READY there is no player.
+            // Children are in the tree here. The player exists from READY on.
             NodeNotification::POST_ENTER_TREE => self.play_output(),
             NodeNotification::PROCESS => self.play(),
             _ => (),
