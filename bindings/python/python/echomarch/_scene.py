@@ -528,7 +528,7 @@ class Scene:
     @property
     def values(self) -> Dict[str, float]:
         """The named values of the scene and their current numbers, in metres or degrees."""
-        return dict(self._raw.values())
+        return {name: _as_given([number])[0] for name, number in self._raw.values()}
 
     def set(self, **values: float) -> None:
         """Set named values in the unit of the scene file (m, degrees): ``scene.set(door=90)``."""
