@@ -81,7 +81,7 @@ class Scene:
         self._start = (start, arguments)
         self._raw: _echomarch.Scene = getattr(_echomarch.Scene, start)(*arguments)
         self._calls: List[Tuple[str, Tuple[Any, ...]]] = []
-        self._materials: Dict[str, Material] = {}
+        self._materials: Dict[str, Union[PerBand, Material]] = {}
         self._scattering: PerBand = 0.0
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -336,7 +336,7 @@ class Scene:
         """
         _arguments.text("the name of a material", "a text", name)
         self._do("add_material", name, _fields(material, self._scattering), f"the material {name}")
-        self._materials[name] = material if isinstance(material, Material) else Material(material)
+        self._materials[name] = material
 
     def set_material(self, surface: Union[str, int], material: AnyMaterial, *, part: Optional[str] = None) -> None:
         """Give a surface, or a part of it, a material.
