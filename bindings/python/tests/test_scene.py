@@ -100,7 +100,7 @@ def test_a_refused_change_leaves_the_scene_as_it_was(room, scattering):
         room.set(door=0.5, dor=1)
     with pytest.raises(em.SettingsError, match='has no part "flor".*did you mean floor?'):
         room.set_material("room", 0.4, part="flor")
-    with pytest.raises(em.SceneError, match="an absorption must be 0 to 1"):
+    with pytest.raises(em.SceneError, match=r"the material door \(2\): an absorption must be 0 to 1, not 2"):
         room.set_material("door", 2)
     with pytest.raises(em.SceneError, match="temperature"):
         room.set_air(200)
