@@ -3,6 +3,7 @@
 //! A line starts in the air. Rounding can move its start up to `error_bound` metres into a solid. A line that points
 //! into the solid then hits the surface at once, and a line that points out of the solid leaves it.
 
+use super::in_front::OpenPlane;
 use super::intersection::{Face, Intersection};
 use super::marched::MarchedField;
 use super::placed_mesh::PlacedMesh;
@@ -230,25 +231,18 @@ impl Placed {
         mesh.group_met(o, d, error_bound, until)
     }
 
-    /// Signed distance in metres from a point of the air in front of a face to the rest of the shape, as if the shape
-    /// were mirrored at the face and the face were open. `on_face` is a point of its plane, and `normal` its unit normal, in
-    /// world axes.
-    ///
-    /// Infinite for a convex solid, which lies behind its faces. Fields that are not convex keep their face.
-    pub fn distance_without_face(&self, point: DVec3, (on_face, normal): (DVec3, DVec3)) -> f64 {
+    /// Signed distance in metres from a point of the air in front of an open plane face to the shape, as if the shape were
+    /// mirrored at the face. Infinite for the convex solid whose face it is (`is_mirror`).
+    pub fn distance_in_front(&self, point: DVec3, plane: OpenPlane, is_mirror: bool) -> f64 {
         let local = |point: DVec3| self.local(point - self.position);
+        let (p, own) = (local(point), plane.seen(local, |n| self.local(n)));
         match self.form {
-            Form::Room { half } => {
-                let Face { axis, positive } = self.wall(normal);
-                let (mut centre, mut size) = (DVec3::ZERO, half);
-                centre[axis] = if positive { half[axis] } else { -half[axis] };
-                size[axis] *= 2.0;
-                -box_distance(local(point) - centre, size)
-            }
-            Form::Mesh(ref mesh) => {
-                mesh.distance_in_front(local(point), local(on_face), self.local(normal))
-            }
-            _ if self.is_convex() => f64::INFINITY,
+            Form::Plane => own.half_space_distance(p, DVec3::Y, 0.0),
+            Form::Box { half, .. } => own.box_distance(p, half),
+            Form::Room { half } => -own.box_distance(p, half),
+            _ if is_mirror && self.is_convex() => f64::INFINITY,
+            Form::Field(ref field) => field.distance_in_front(p, own),
+            Form::Mesh(ref mesh) => mesh.distance_in_front(p, own.point, own.normal),
             _ => self.distance(point),
         }
     }
@@ -495,7 +489,7 @@ fn project_onto_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3,
     (point, normal)
 }
 
-fn box_distance(p: DVec3, half: DVec3) -> f64 {
+pub(super) fn box_distance(p: DVec3, half: DVec3) -> f64 {
     let beyond = p.abs() - half;
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
 }

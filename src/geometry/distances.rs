@@ -2,6 +2,8 @@
 
 use super::closed_form::Placed;
 use super::exact::ExactScene;
+use super::in_front::OpenPlane;
+use crate::scene::ROUNDING;
 use glam::DVec3;
 
 /// A plane face: the number of its surface, from 1, and a point of the face with the unit normal there.
@@ -14,10 +16,10 @@ impl ExactScene {
         self.least_distance(point, |_, surface| surface.distance(point))
     }
 
-    /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the face were
-    /// open and the scene were mirrored at it: see [`Placed::distance_without_face`].
-    pub(crate) fn distance_without_face(&self, point: DVec3, face: MirrorFace) -> f64 {
-        self.least_distance(point, without_face(point, face))
+    /// Signed distance in metres from a world point in front of a plane face to the nearest surface, as if the plane were
+    /// open and the scene were mirrored at it: see [`Placed::distance_in_front`].
+    pub(crate) fn distance_in_front(&self, point: DVec3, face: MirrorFace) -> f64 {
+        self.least_distance(point, self.in_front(point, face))
     }
 
     /// The least of the distances from a point that `distance` gives for a surface and its number, from 1. They are at
@@ -61,9 +63,26 @@ impl ExactScene {
         self.nearest_by(point, |_, surface| surface.distance(point))
     }
 
-    /// The number of the nearest surface for [`ExactScene::distance_without_face`].
-    pub(crate) fn nearest_without_face(&self, point: DVec3, face: MirrorFace) -> u32 {
-        self.nearest_by(point, without_face(point, face))
+    /// The number of the nearest surface for [`ExactScene::distance_in_front`].
+    pub(crate) fn nearest_in_front(&self, point: DVec3, face: MirrorFace) -> u32 {
+        self.nearest_by(point, self.in_front(point, face))
+    }
+
+    /// The distances of surfaces from a point in front of a face, by their numbers, if its plane is open.
+    pub(super) fn in_front(&self, point: DVec3, face: MirrorFace) -> impl Fn(u32, &Placed) -> f64 {
+        let (mirror, (on_face, normal)) = face;
+        let plane = OpenPlane {
+            point: on_face,
+            normal,
+            touch: self.placing_error_m(),
+        };
+        move |number, surface| surface.distance_in_front(point, plane, number == mirror)
+    }
+
+    /// Maximum distance in metres between faces that a scene states to lie in one plane: positions and sizes are rounded
+    /// to `f32`.
+    pub(crate) fn placing_error_m(&self) -> f64 {
+        f64::from(ROUNDING) * self.extent_m()
     }
 
     /// The number of the surface with the least of these distances. They are at least [`Placed::distance`].
@@ -113,13 +132,5 @@ impl ExactScene {
             });
         }
         nearest
-    }
-}
-
-/// The distances of surfaces from a point, by their numbers, if this face is open.
-fn without_face(point: DVec3, (mirror, face): MirrorFace) -> impl Fn(u32, &Placed) -> f64 {
-    move |number, surface| match number == mirror {
-        true => surface.distance_without_face(point, face),
-        false => surface.distance(point),
     }
 }

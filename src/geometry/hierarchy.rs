@@ -391,7 +391,8 @@ mod tests {
             }
             let exact = ExactScene::new(&scene).expect("a valid scene");
             prop_assert!(!exact.surfaces.iter().all(Placed::has_exact_distance));
-            let room = (1, (DVec3::ZERO, DVec3::Y));
+            let floor = away.as_dvec3() - DVec3::Y * (1.25 * HALF);
+            let room = (1, (floor, DVec3::Y));
             for number in 0..300 {
                 let far = if number % 3 == 0 { 4.0 } else { 1.0 };
                 let point = (place(&mut random) * far + away).as_dvec3();
@@ -400,11 +401,12 @@ mod tests {
                 prop_assert_eq!(exact.surface_distance(point).to_bits(), least(&all).to_bits());
                 let first = |of: &[f64]| 1 + of.iter().position(|d| *d == least(of)).unwrap();
                 prop_assert_eq!(exact.nearest(point), first(&all) as u32);
-                let mut opened = all;
-                opened[0] = exact.surfaces[0].distance_without_face(point, room.1);
-                let found = exact.distance_without_face(point, room);
+                let in_front = exact.in_front(point, room);
+                let opened: Vec<f64> = (1..).zip(&exact.surfaces).map(|(n, of)| in_front(n, of)).collect();
+                prop_assert!(opened[0] >= all[0]);
+                let found = exact.distance_in_front(point, room);
                 prop_assert_eq!(found.to_bits(), least(&opened).to_bits());
-                prop_assert_eq!(exact.nearest_without_face(point, room), first(&opened) as u32);
+                prop_assert_eq!(exact.nearest_in_front(point, room), first(&opened) as u32);
             }
         }
     }

@@ -5,6 +5,7 @@
 //! times the extent of the field. A point with such a small value is a hit only if the line enters the solid there. A
 //! line that leaves the surface continues by steps of at least [`LEAST_STEP`].
 
+use super::in_front::OpenPlane;
 use super::sight::SightPart;
 use crate::scene::{Bounds3, Exactness, Shape};
 use glam::DVec3;
@@ -83,6 +84,11 @@ impl MarchedField {
     /// A lower bound of the distance to the field in metres.
     pub fn distance(&self, p: DVec3) -> f64 {
         self.field.value(p) * self.inverse_lipschitz
+    }
+
+    /// A lower bound of the distance in front of an open plane face.
+    pub fn distance_in_front(&self, p: DVec3, plane: OpenPlane) -> f64 {
+        plane.value(&self.field, p) * self.inverse_lipschitz
     }
 
     /// Distance in metres to the first hit along the unit vector `d` from `o`, which is in the air or on the surface.

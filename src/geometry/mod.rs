@@ -40,6 +40,7 @@ mod ear;
 mod exact;
 mod hierarchy;
 mod hollow;
+mod in_front;
 mod intersection;
 mod marched;
 mod obstacles;

@@ -111,3 +111,81 @@ fn a_reflection_heard_in_the_plane_of_a_jamb_is_continuous() {
     let step = greatest_step_db(&walk, 8_000.0);
     assert!(step < 1.0, "{step} dB");
 }
+
+/// One doorway in a wall of 20 cm between two halves of a room of 10 × 3 × 4 m, described in several ways.
+fn one_doorway(ends: Ends) -> Vec<(&'static str, ExactScene)> {
+    let room = "Surface(shape: Room(size: (10, 3, 4)), position: (5, 1.5, 2))";
+    let cut = |from: &str, cut: &str| {
+        format!(
+            "{room}, Surface(shape: Difference(from: Box(size: {from}), \
+             cut: [Translate(of: Box(size: {cut})]), position: (5.1, 1.5, 2))"
+        )
+    };
+    let boxes = "Surface(shape: Box(size: (0.2, 3, 1)), position: (5.1, 1.5, 0.5)), \
+         Surface(shape: Box(size: (0.2, 3, 2.1)), position: (5.1, 1.5, 2.95)), \
+         Surface(shape: Box(size: (0.2, 0.9, 0.9)), position: (5.1, 2.55, 1.45))";
+    let air = "Surface(shape: Rooms(of: [(name: \"a\", from: (0, 0, 0), to: (5, 3, 4)), \
+         (name: \"d\", from: (5, 0, 1), to: (5.2, 2.1, 1.9)), \
+         (name: \"b\", from: (5.2, 0, 0), to: (10, 3, 4))]))";
+    let described = [
+        ("boxes of air", air.to_owned()),
+        ("boxes", format!("{room}, {boxes}")),
+        (
+            "a cut that ends on the floor",
+            cut("(0.2, 3, 4)", "(0.4, 2.1, 0.9)), by: (0, -0.45, -0.55)"),
+        ),
+        (
+            "a cut that ends below the floor",
+            cut("(0.2, 3, 4)", "(0.4, 3.1, 0.9)), by: (0, -0.95, -0.55)"),
+        ),
+        (
+            "a cut in a wall that ends below the floor",
+            cut("(0.2, 5, 6)", "(0.4, 2.1, 0.9)), by: (0, -0.45, -0.55)"),
+        ),
+    ];
+    described
+        .map(|(name, surfaces)| (name, tests::exact(&surfaces, ends)))
+        .to_vec()
+}
+
+/// Protects the ways through a doorway: they do not depend on how a scene describes it, as boxes, as boxes of air, or as a
+/// cut, whether its lower end lies on the floor or below it.
+#[test]
+fn ways_do_not_depend_on_the_description_of_a_doorway() {
+    let ends = (DVec3::new(2.0, 1.5, 3.2), DVec3::new(7.5, 1.2, 3.0));
+    let faces = [
+        ("floor", DVec3::ZERO, DVec3::Y),
+        ("ceiling", DVec3::new(0.0, 3.0, 0.0), -DVec3::Y),
+        ("near wall", DVec3::ZERO, DVec3::Z),
+        ("far wall", DVec3::new(0.0, 0.0, 4.0), -DVec3::Z),
+    ];
+    let scenes = one_doorway(ends);
+    for (face, point, normal) in faces {
+        let mirror = Mirror {
+            surface: 1,
+            point,
+            normal,
+        };
+        let ways = |exact: &ExactScene| {
+            let mut ways = around_mirrored(exact, mirror, ends, SPEED, WALLS);
+            ways.sort_by(|a, b| a.length_m.total_cmp(&b.length_m));
+            ways
+        };
+        let expected = ways(&scenes[0].1);
+        assert!(!expected.is_empty(), "{face}");
+        for (name, exact) in &scenes[1..] {
+            let found = ways(exact);
+            assert_eq!(found.len(), expected.len(), "{face}, {name}");
+            for (found, expected) in found.iter().zip(&expected) {
+                assert_eq!(found.reflections, expected.reflections, "{face}, {name}");
+                for band in 0..BAND_COUNT {
+                    let apart_db = 10.0 * (found.energy[band] / expected.energy[band]).log10();
+                    assert!(
+                        apart_db.abs() < 0.5 || expected.energy[band] < 1e-6,
+                        "{face}, {name}, band {band}: {apart_db} dB, {found:?}, {expected:?}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -113,34 +113,36 @@ impl Space for MirroredSpace<'_> {
         if descent <= 0.0 || crossing >= until {
             return exact.first(start, along, until);
         }
-        let error_m = on_face_m(exact);
-        if let Some(before) = exact.first(start, along, crossing - error_m / descent) {
+        // Faces that lie in the plane do not count, also if rounding moves them to its front.
+        let in_plane = exact.placing_error_m() / descent;
+        if let Some(before) = exact.first(start, along, crossing - in_plane) {
             return Some(before);
         }
         let point = start + along * crossing;
-        if self.has_ends && !exact.is_on(mirror.surface, point, error_m) {
+        if self.has_ends && !exact.is_on(mirror.surface, point, on_face_m(exact)) {
             // The plane has no face there.
             return Some(Obstacle {
                 metres: crossing,
                 surface: mirror.surface,
             });
         }
-        let lifted = point + mirror.normal * error_m;
-        let next = exact.first(lifted, along.reflect(mirror.normal), until - crossing)?;
+        let back = along.reflect(mirror.normal);
+        let passed = crossing + in_plane;
+        let next = exact.first(point + back * in_plane, back, until - passed)?;
         Some(Obstacle {
-            metres: crossing + next.metres,
+            metres: passed + next.metres,
             surface: next.surface,
         })
     }
 
     fn distance(&self, point: DVec3) -> f64 {
         self.exact
-            .distance_without_face(self.mirror.in_front(point), self.face())
+            .distance_in_front(self.mirror.in_front(point), self.face())
     }
 
     fn nearest(&self, point: DVec3) -> u32 {
         self.exact
-            .nearest_without_face(self.mirror.in_front(point), self.face())
+            .nearest_in_front(self.mirror.in_front(point), self.face())
     }
 
     fn in_scene(&self, point: DVec3) -> DVec3 {
