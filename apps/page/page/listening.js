@@ -35,6 +35,8 @@ export class Listening {
     this.gaps = 0;
     // Whether the scene is heard: a response or the pan of its balance is played.
     this.isHeard = false;
+    // Whether waves of the scene were traced.
+    this.isTraced = false;
     // The time at which the scene was given to the sound.
     this.began = 0;
     // The timer of the message that shaders are compiled.
@@ -70,6 +72,7 @@ export class Listening {
     // The sources belong to the previous scene.
     this.forgetSources();
     this.isHeard = false;
+    this.isTraced = false;
     this.began = performance.now();
     this.showPlay();
     this.sound?.play(shown.text, shown.name, this.state.sound);
@@ -82,10 +85,10 @@ export class Listening {
     prepareEars({ ...this.shown, standing: this.standing() });
   }
 
-  // Whether the ears compute the first response of a scene. They share the graphics card with the page's waves, which
-  // wait for this time.
+  // Whether the ears trace the first waves of a scene. They share the graphics card with the page's waves, which wait for
+  // this time.
   isComputing() {
-    return this.sound?.isRunning() && this.isFull() && !this.isHeard && performance.now() - this.began < ALONE_MS;
+    return this.sound?.isRunning() && this.isFull() && !this.isTraced && performance.now() - this.began < ALONE_MS;
   }
 
   // Sends the choices to the mix.
@@ -173,7 +176,8 @@ export class Listening {
         this.showPlay();
       }
     }
-    if (data.sources) {
+    if (data.sources && data.scene === this.sound?.sent) {
+      this.isTraced = !data.isSketch;
       this.sources = data.sources;
       this.texts = data.texts;
       this.paths = data.paths;

@@ -338,7 +338,7 @@ function resize() {
 function drawPlan() {
   const seen = page.plan();
   const paths = listening.isFull() ? listening.paths : [];
-  plan.draw(seen, page.ways(), paths, {
+  plan.draw(seen, listening.isComputing() ? [] : page.ways(), paths, {
     listener: page.listener(),
     radius: page.radius(),
     sources: page.sources(),
