@@ -125,7 +125,8 @@ pub struct Hearing {
     gain: Option<f32>,
     /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
-    /// Whether the last response was shorter than its length, because a player waited for it.
+    /// Whether the last response was shorter than its length, or its length unknown, because a player waited for it. Another
+    /// trace follows, whose time contains no compilation.
     is_cut: bool,
     /// The profile of the last trace.
     profile: Option<Profile>,
@@ -273,7 +274,7 @@ impl Hearing {
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
         let took = TraceTime::new(tracing.elapsed().saturating_sub(on_late), diffraction_ms);
-        self.is_cut = is_waited_for && self.length.is_some_and(|(whole, _)| seconds < whole);
+        self.is_cut = is_waited_for && self.length.is_none_or(|(whole, _)| seconds < whole);
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
