@@ -1,6 +1,7 @@
 // The page's sound. This class starts and stops the sound, sends the choices and the state of the scene to the workers,
 // and stores the messages of the workers.
 
+import { COMPUTING } from "./panel.js";
 import { Sound, prepareEars } from "./sound.js";
 
 // Level in decibels when no sound is played.
@@ -85,10 +86,14 @@ export class Listening {
     prepareEars({ ...this.shown, standing: this.standing() });
   }
 
-  // Whether the ears trace the first waves of a scene. They share the graphics card with the page's waves, which wait for
-  // this time.
+  // Whether the ears trace the first waves of a scene.
+  isAwaited() {
+    return Boolean(this.sound?.isRunning()) && this.isFull() && !this.isTraced;
+  }
+
+  // Whether the page's waves wait for the ears, because both share the graphics card.
   isComputing() {
-    return this.sound?.isRunning() && this.isFull() && !this.isTraced && performance.now() - this.began < ALONE_MS;
+    return this.isAwaited() && performance.now() - this.began < ALONE_MS;
   }
 
   // Sends the choices to the mix.
@@ -179,7 +184,7 @@ export class Listening {
     if (data.sources && data.scene === this.sound?.sent) {
       this.isTraced = !data.isSketch;
       this.sources = data.sources;
-      this.texts = data.texts;
+      this.texts = data.texts.map((text) => (data.isSketch ? `${text}, late part ${COMPUTING}` : text));
       this.paths = data.paths;
       this.times = { trace: data.trace, late: data.late };
     }
