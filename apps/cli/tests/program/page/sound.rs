@@ -275,7 +275,7 @@ fn a_listener_inside_a_solid_is_told() {
         browser.run("echomarch.page.stand(0, 0, 0.2, 0, 0); return 0");
         browser.wait_for(
             "#message",
-            "m inside surface 1 (Cylinder): few waves reach it",
+            "m inside surface 1 (CappedCylinder): few waves reach it",
         );
         browser.run("echomarch.page.stand(0, 0, 3, 0, 0); return 0");
         wait(browser, "return document.getElementById('message').hidden");
