@@ -16,6 +16,13 @@ pub const HAS_FILES: bool = !cfg!(target_arch = "wasm32");
 /// the browser's event loop, and its `finish` only flushes.
 pub const CAN_WAIT_FOR_GL: bool = !cfg!(target_arch = "wasm32");
 
+/// Whether a query of GL errors returns at once. In a browser it waits for the graphics process, which may draw a picture
+/// first; errors are then queried only where texels are read back, which waits too.
+pub const HAS_QUICK_ERRORS: bool = !cfg!(target_arch = "wasm32");
+
+/// Whether a window keeps its picture until the next one is drawn. A browser keeps that of a canvas.
+pub const KEEPS_PICTURE: bool = cfg!(target_arch = "wasm32");
+
 /// The usage hint of the buffers for reading texels back. Chromium keeps a second copy of buffers that are read, and
 /// logs a warning if a read does not wait for a fence.
 pub const READ_BACK_USAGE: u32 = match CAN_WAIT_FOR_GL {

@@ -1,6 +1,6 @@
 //! Asynchronous read-back of texels.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use glow::{HasContext, PixelPackData};
 
@@ -47,21 +47,26 @@ impl AsyncRead {
         })
     }
 
-    /// Requests the first `width` texels of each of the first `rows` rows, and returns at once. Cancels a pending read.
+    /// Requests the first `width` texels of each of the first `rows` rows of some attachments, one attachment after the
+    /// other, and returns at once. Cancels a pending read.
     ///
     /// # Errors
     /// [`GpuError::ReadOutOfRange`], and GL errors.
     pub fn begin(
         &mut self,
         target: &RenderTarget,
-        attachment: usize,
+        attachments: Range<usize>,
         width: u32,
         rows: u32,
     ) -> Result<(), GpuError> {
         self.cancel();
-        target.select_for_reading(attachment, width, rows)?;
-        let floats = 4 * width as usize * rows as usize;
-        self.copy_to_buffer(width, rows, floats);
+        let floats_of_one = 4 * width as usize * rows as usize;
+        let floats = attachments.len() * floats_of_one;
+        self.reserve(floats);
+        for (index, attachment) in attachments.enumerate() {
+            target.select_for_reading(attachment, width, rows)?;
+            self.copy_to_buffer(width, rows, index * floats_of_one);
+        }
         // SAFETY: the context is current.
         let fence = unsafe {
             self.context
@@ -75,17 +80,29 @@ impl AsyncRead {
         self.context.debug_check("an asynchronous read-back")
     }
 
-    fn copy_to_buffer(&mut self, width: u32, rows: u32, floats: usize) {
+    /// Makes room for this number of floats in the buffer.
+    fn reserve(&mut self, floats: usize) {
         let length = floats * size_of::<f32>();
+        if length <= self.capacity {
+            return;
+        }
+        let gl = self.context.gl();
+        // SAFETY: the context is current and owns the buffer.
+        unsafe {
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
+            let usage = platform::READ_BACK_USAGE;
+            gl.buffer_data_size(glow::PIXEL_PACK_BUFFER, length as i32, usage);
+            gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
+        }
+        self.capacity = length;
+    }
+
+    /// Copies texels of the selected attachment to the buffer, behind its first `offset` floats.
+    fn copy_to_buffer(&self, width: u32, rows: u32, offset: usize) {
         let gl = self.context.gl();
         // SAFETY: the context is current and owns the buffer and bound framebuffer, and the buffer holds the texels.
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
-            if length > self.capacity {
-                let usage = platform::READ_BACK_USAGE;
-                gl.buffer_data_size(glow::PIXEL_PACK_BUFFER, length as i32, usage);
-                self.capacity = length;
-            }
             gl.read_pixels(
                 0,
                 0,
@@ -93,7 +110,7 @@ impl AsyncRead {
                 rows as i32,
                 glow::RGBA,
                 glow::FLOAT,
-                PixelPackData::BufferOffset(0),
+                PixelPackData::BufferOffset((offset * size_of::<f32>()) as u32),
             );
             // Later reads into memory would otherwise go to the buffer.
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
@@ -197,7 +214,7 @@ impl AsyncRead {
             gl.get_buffer_sub_data(glow::PIXEL_PACK_BUFFER, 0, bytes);
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
         }
-        self.context.check("the copy of a pixel buffer")?;
+        self.context.check_and_wait("the copy of a pixel buffer")?;
         Ok(read(&copied))
     }
 
@@ -309,9 +326,9 @@ mod tests {
         let texture = Texture::new(&context, 2, 2).unwrap();
         let target = RenderTarget::new(&context, &[&texture]).unwrap();
         let mut read = AsyncRead::new(&context).unwrap();
-        read.begin(&target, 0, 2, 2).unwrap();
+        read.begin(&target, 0..1, 2, 2).unwrap();
         assert_eq!(read.wait(<[f32]>::len).unwrap(), Some(16));
-        read.begin(&target, 0, 2, 2).unwrap();
+        read.begin(&target, 0..1, 2, 2).unwrap();
         // The status named GUILTY_CONTEXT_RESET in KHR_robustness.
         const GUILTY_CONTEXT_RESET: u32 = 0x8253;
         RESET_STATUS.set(GUILTY_CONTEXT_RESET);

@@ -11,6 +11,7 @@ use super::native;
 #[cfg(not(target_arch = "wasm32"))]
 use super::osmesa::OsMesa;
 use super::{Api, GpuError, current};
+use crate::platform;
 use glow::HasContext;
 use std::fmt;
 use std::rc::Rc;
@@ -272,12 +273,24 @@ impl Context {
         &self.inner.gl
     }
 
-    /// Queries the GL errors since the last call and clears them.
+    /// Queries the GL errors since the last call and clears them. In a browser it only finds a lost context, and leaves the
+    /// errors to [`check_and_wait`](Context::check_and_wait).
     ///
     /// # Errors
     /// The first error, with the operation that caused it: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
     pub fn check(&self, what: &str) -> Result<(), GpuError> {
+        match platform::HAS_QUICK_ERRORS {
+            true => self.check_and_wait(what),
+            false => self.check_not_lost(),
+        }
+    }
+
+    /// Queries the GL errors since the last call and clears them, even if that waits for the renderer.
+    ///
+    /// # Errors
+    /// As for [`check`](Context::check).
+    pub(super) fn check_and_wait(&self, what: &str) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(GpuError::lost)?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };

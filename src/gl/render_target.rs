@@ -214,7 +214,7 @@ impl RenderTarget {
                 slice,
             );
         }
-        self.context.check("the read-back of a texture")
+        self.context.check_and_wait("the read-back of a texture")
     }
 
     /// Selects the attachment for reading, after checking that it has enough texels.
@@ -286,7 +286,7 @@ pub(super) fn read_rgba8(
         let (width, height) = (width as i32, height as i32);
         gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, slice);
     }
-    context.check(&format!("the read-back of {what}"))?;
+    context.check_and_wait(&format!("the read-back of {what}"))?;
     Ok(pixels.rchunks_exact(row).flatten().copied().collect())
 }
 

@@ -250,12 +250,14 @@ impl View {
         }
         let bears = pixels_foreseen(scene, REFINED) >= f64::from(LEAST_ROWS * width);
         let refines = refines && bears && self.still > STILL && scale < 1.0;
-        if refines && self.refined < height {
+        let is_refined = refines && self.refined < height;
+        if is_refined {
             self.refine(scene, &eye, full)?;
         }
         let is_fine = refines && self.refined >= height;
         let picture = if is_fine { &self.fine } else { &self.coarse };
-        if let Some(picture) = picture {
+        let is_due = anew || is_refined || !platform::KEEPS_PICTURE;
+        if let Some(picture) = picture.as_ref().filter(|_| is_due) {
             picture.show(width, height)?;
         }
         if is_fine {

@@ -152,7 +152,7 @@ impl Decay {
         let medium = Medium::of(pair);
         // More of the few waves that carry the end of the decay cross the larger sphere.
         let wide = |pair: &Pair| {
-            let sphere = LateSphere::of(*pair, LEAST_ORDER, settings.accuracy.as_ref());
+            let sphere = LateSphere::for_settings(*pair, LEAST_ORDER, settings);
             sphere.detector(pair.listener)
         };
         let detectors: Vec<Detector> = pairs.iter().map(wide).collect();

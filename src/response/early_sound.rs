@@ -6,9 +6,9 @@ use super::exact_paths::EarlyPaths;
 use super::hidden::Hidden;
 use super::late::Heard;
 use super::source_sound::Medium;
-use super::{Arrival, Echogram, HeardPath, ResponseSettings, direct};
+use super::{Arrival, Echogram, Figures, HeardPath, Response, ResponseSettings, direct};
 use crate::error::Error;
-use crate::tracer::{Settings, Tracer};
+use crate::tracer::{ArrivalCounts, Settings, Tracer};
 use glam::Vec3;
 
 /// The start directions of all waves, computed when they are first needed.
@@ -86,6 +86,35 @@ impl EarlySound {
             hidden,
             paths,
             waves: settings.trace.waves,
+        })
+    }
+
+    /// The response of this sound alone, without any other arrival and without figures.
+    pub fn alone(
+        self,
+        medium: &Medium,
+        settings: &ResponseSettings,
+        seconds: f64,
+    ) -> Result<Response, Error> {
+        let part = &self.caught.part;
+        let echogram = Echogram::with_edge_at(medium.direct_s, settings.bin_s, settings.batches)?;
+        Ok(Response {
+            missed: part.missed(),
+            left_out: 0,
+            left_out_share: 0.0,
+            search_left_out_share: part.search_left_out_share(),
+            diffraction_milliseconds: self.hidden.diffraction_milliseconds(),
+            paths: self.paths,
+            echogram,
+            figures: Figures::omitted(),
+            seconds,
+            followed_s: None,
+            counts: ArrivalCounts::default(),
+            waves: 0,
+            onset_waves: 0,
+            accuracy: None,
+            ended: None,
+            milliseconds: 0.0,
         })
     }
 

@@ -55,61 +55,40 @@ pub(super) fn response(
     // If waves were given up, only the remaining waves contribute to the later decay.
     let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
     let ends_s = followed_s.unwrap_or(seconds);
-    if settings.omits_figures {
-        let response = Response {
-            missed: part.missed(),
-            left_out: part.left_out().count() as u64,
-            left_out_share: left_out_share(part, medium, &paths, &echogram),
-            search_left_out_share: part.search_left_out_share(),
-            paths,
-            echogram,
-            figures: Figures::omitted(),
-            seconds,
-            followed_s,
-            counts,
-            waves: settings.late_trace().waves,
-            onset_waves: settings.onset_waves(),
-            accuracy: None,
-            ended: None,
-            milliseconds: 0.0,
-            diffraction_milliseconds,
-        };
-        return Ok(Some(Traced {
-            response,
-            in_own_sphere,
-            is_search_complete,
-        }));
-    }
-    let taps = taps_of_energy(&paths);
-    let record = Record::new(&taps, &echogram, ends_s);
-    let direct_s = direct(&paths).map(|path| path.delay_s);
-    let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);
-    if let Some(common) = late.errors {
-        figures = figures.with_common_errors(&common);
-    }
-    // Few arrivals leave out figures by their noise. The errors below have other causes.
-    let heard_in = (pair, medium);
-    let further = late::further_arrival(tracer, heard_in, settings, how, &echogram, travel_on)?;
-    figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
-    if let Some(inner) = &inner {
-        let bias = inner.bias(&late, &record, direct_s);
-        if late::are_biased(&bias, late.accepted_bias) {
-            return Ok(None);
+    let figures = if settings.omits_figures {
+        Figures::omitted()
+    } else {
+        let taps = taps_of_energy(&paths);
+        let record = Record::new(&taps, &echogram, ends_s);
+        let direct_s = direct(&paths).map(|path| path.delay_s);
+        let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);
+        if let Some(common) = late.errors {
+            figures = figures.with_common_errors(&common);
         }
-        figures = figures.with_bias(&bias);
-    }
-    let further_reflections = early.hidden.further_reflections();
-    if !further_reflections.is_empty() {
-        let all = [&taps[..], &further_reflections].concat();
-        figures = figures.with_differences(Record::new(&all, &echogram, ends_s), &bands::ALL);
-    }
-    // The bias is empty without scattering.
-    if bias.bins() > 0 {
-        let mut biased = echogram.clone();
-        biased.add_scaled(&bias, &bands::ALL);
-        figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
-    }
-    let figures = (early.caught).in_errors((pair, medium), figures, (&echogram, ends_s));
+        // Few arrivals leave out figures by their noise. The errors below have other causes.
+        let heard_in = (pair, medium);
+        let further = late::further_arrival(tracer, heard_in, settings, how, &echogram, travel_on)?;
+        figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
+        if let Some(inner) = &inner {
+            let bias = inner.bias(&late, &record, direct_s);
+            if late::are_biased(&bias, late.accepted_bias) {
+                return Ok(None);
+            }
+            figures = figures.with_bias(&bias);
+        }
+        let further_reflections = early.hidden.further_reflections();
+        if !further_reflections.is_empty() {
+            let all = [&taps[..], &further_reflections].concat();
+            figures = figures.with_differences(Record::new(&all, &echogram, ends_s), &bands::ALL);
+        }
+        // The bias is empty without scattering.
+        if bias.bins() > 0 {
+            let mut biased = echogram.clone();
+            biased.add_scaled(&bias, &bands::ALL);
+            figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
+        }
+        (early.caught).in_errors((pair, medium), figures, (&echogram, ends_s))
+    };
     let mut response = Response {
         missed: part.missed(),
         left_out: part.left_out().count() as u64,

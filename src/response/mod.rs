@@ -105,9 +105,12 @@ use crate::scene::{IntoPair, Pair};
 use crate::serialised::finite;
 use crate::tracer::{ArrivalCounts, TraceError, Tracer};
 use accuracy::Ended;
+use early_sound::EarlySound;
 pub use exact_paths::{Missed, SpecularPath};
+use late::{Heard, LateSphere};
 use serde::{Deserialize, Serialize};
 use shared::Listeners;
+use source_sound::Medium;
 
 /// The sound of one source at one listener.
 ///
@@ -272,6 +275,26 @@ impl Response {
         }
         // Each pair is in one of the groups.
         Ok(responses.into_iter().flatten().collect())
+    }
+
+    /// The paths of a pair that are found without waves, and therefore without a renderer: the direct sound, reflections at
+    /// planes, and paths around and through obstacles. The settings need a length.
+    ///
+    /// # Errors
+    /// The errors of [`Scene::validate`](crate::Scene::validate), and [`Error::Acoustics`] for bins out of range.
+    #[doc(hidden)]
+    pub fn without_waves<'a>(
+        pair: impl IntoPair<'a>,
+        settings: &ResponseSettings,
+    ) -> Result<Response, Error> {
+        let pair = pair.chosen()?;
+        settings.validate()?;
+        let medium = &Medium::of(pair);
+        let late = LateSphere::own(pair.listener);
+        let heard = Heard { pair, medium, late };
+        let seconds = settings.seconds.unwrap_or(settings.longest_s);
+        let early = EarlySound::find(&heard, settings, seconds, (Vec::new(), Vec::new()))?;
+        early.alone(medium, settings, seconds)
     }
 
     /// The direct sound; `None` if it is obstructed.

@@ -174,6 +174,14 @@ impl ResponseSettings {
     /// decreasing share of them.
     pub const MAX_ORDER: u32 = 16;
 
+    /// Leaves out the figures, which take most of the time of a trace with few waves.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn without_figures(mut self) -> ResponseSettings {
+        self.omits_figures = true;
+        self
+    }
+
     /// Sets the waves, directions and algorithm. [`Response::trace`](super::Response::trace) rejects settings with a
     /// number of iterations other than the default.
     #[must_use]

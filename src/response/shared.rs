@@ -63,7 +63,7 @@ impl<'a> Listeners<'a> {
             let order = settings.order_in(pair.scene);
             SharedListener {
                 pair,
-                sphere: LateSphere::of(pair, order, settings.accuracy.as_ref()),
+                sphere: LateSphere::for_settings(pair, order, settings),
                 tally: None,
                 early: None,
             }

@@ -134,12 +134,11 @@ impl SimulatorSettings {
     pub(super) fn response(&self, waves: u32, seed: u32, seconds: f64) -> ResponseSettings {
         let trace = Settings::hybrid().with_waves(waves).with_seed(seed);
         // The direct ways are found apart, at a rate of their own.
-        let mut settings = ResponseSettings::default()
+        ResponseSettings::default()
             .with_trace(trace)
             .with_order(self.order)
             .with_seconds(seconds)
-            .with_transmission(self.transmission);
-        settings.omits_figures = true;
-        settings
+            .with_transmission(self.transmission)
+            .without_figures()
     }
 }

@@ -37,14 +37,14 @@ impl ReadBack {
 
     /// Requests the contributions of all waves, to be summed on the CPU.
     pub fn ask(&mut self, pan: &RenderTarget, grid: Grid) -> Result<(), Error> {
-        Ok(self.heard.begin(pan, 0, grid.width, grid.height)?)
+        Ok(self.heard.begin(pan, 0..1, grid.width, grid.height)?)
     }
 
     /// Requests the result of a sum on the GPU whose passes are drawn.
     pub fn ask_sum(&mut self, sum: &GpuSum) -> Result<(), Error> {
         // The counts of marches are requested first, so that they are complete when the contributions are.
-        self.passes.begin(sum.last(), 1, 1, 1)?;
-        Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
+        self.passes.begin(sum.last(), 1..2, 1, 1)?;
+        Ok(self.heard.begin(sum.last(), 0..1, 1, 1)?)
     }
 
     /// The sum of all contributions, computed on the CPU or on the GPU as the settings state. Waits for the result if

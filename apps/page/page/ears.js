@@ -26,6 +26,8 @@ let rested = 0;
 let trouble = "";
 // Whether the next trace is the first one of a scene, which compiles its shaders.
 let isFirst = false;
+// Whether the sound that needs no waves is due before the first trace of a scene.
+let isSketchDue = false;
 
 // Calls a function. An exception ends this worker's tracing, and its message is sent to the page.
 function guarded(act) {
@@ -116,30 +118,46 @@ function look() {
 function setScene(text, name) {
   ears.set_scene(text, name);
   isFirst = true;
+  isSketchDue = true;
+}
+
+// Returns the changed responses of the sources in a state of the scene. A sketch needs no waves.
+function respond({ names, values, seconds, listener, source, profile, waves, parts }, isSketch) {
+  ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
+  return ears.hear(names, values, seconds, listener, source, profile, waves, isSketch);
 }
 
 // Traces each source in a state of the scene. Returns the changed responses. A message to the page says when shaders are compiled.
-function trace({ names, values, seconds, listener, source, profile, waves, parts }) {
-  ears.set_parts(parts.diffraction, parts.transmission, parts.mirrored, parts.late, parts.least);
+function trace(standing) {
   const compiles = isFirst;
   isFirst = false;
   if (compiles) postMessage({ compiles });
   try {
-    return ears.hear(names, values, seconds, listener, source, profile, waves);
+    return respond(standing, false);
   } finally {
     if (compiles) postMessage({ compiles: false });
   }
 }
 
-// Traces each source and sends the changes to the mix. Returns the number of changed sources.
+// Sends the changes of the sources to the mix: first what needs no waves, so that a new scene is heard at once. Returns the
+// number of changed sources that were traced.
 function hear() {
-  const all = trace(latest);
+  if (isSketchDue) {
+    isSketchDue = false;
+    if (tellAll(respond(latest, true), true) > 0) return 0;
+  }
+  return tellAll(trace(latest), false);
+}
+
+// Sends responses to the mix, and their summary to the page. Returns their number.
+function tellAll(all, isSketch) {
   for (const heard of all) {
     tell(heard);
   }
   if (all.length > 0) {
     const [trace, late] = ears.milliseconds();
-    postMessage({ sources: Array.from(ears.sources()), texts: ears.source_texts(), paths: ears.paths(), trace, late });
+    postMessage({ scene, isSketch, sources: Array.from(ears.sources()), texts: ears.source_texts(), paths: ears.paths(),
+      trace, late });
   }
   return all.length;
 }

@@ -7,16 +7,19 @@ const PLACE = /:(\d+):(\d+): /;
 
 let bad = 0;
 
-// Shows the numbers of the lines, and marks the line with the error.
+// Shows the numbers of the lines, and marks the line with the error. Each number stands before an invisible copy of its line,
+// which is wrapped like the text.
 export function showLines() {
-  const count = $("text").value.split("\n").length;
-  const numbers = Array.from({ length: count }, (_, index) => {
-    const line = document.createElement("span");
-    line.textContent = `${index + 1}\n`;
-    line.className = index + 1 === bad ? "bad" : "";
+  const lines = $("text").value.split("\n").map((text, index) => {
+    const line = document.createElement("div");
+    const number = document.createElement("span");
+    number.textContent = index + 1;
+    number.className = index + 1 === bad ? "bad" : "";
+    // An empty line is as high as another one.
+    line.append(number, text || " ");
     return line;
   });
-  $("lines").replaceChildren(...numbers);
+  $("lines").replaceChildren(...lines);
   $("lines").scrollTop = $("text").scrollTop;
 }
 

@@ -46,8 +46,12 @@ function isNumber(value) {
 export function read(fragment, choices) {
   const settings = { ...usual, parts: { ...usual.parts }, values: {} };
   const wrong = [];
-  for (const [name, value] of new URLSearchParams(fragment.replace(/^#/, ""))) {
-    const why = set(settings, name, value, choices);
+  const entries = new URLSearchParams(fragment.replace(/^#/, ""));
+  for (const [name, value] of entries) {
+    // A text may have any name.
+    const isOwnName = name === "scene" && entries.has("text");
+    if (isOwnName) settings.scene = value;
+    const why = isOwnName ? "" : set(settings, name, value, choices);
     if (why) wrong.push(why);
   }
   return { settings, wrong };

@@ -1,6 +1,7 @@
 // The page's sound. This class starts and stops the sound, sends the choices and the state of the scene to the workers,
 // and stores the messages of the workers.
 
+import { COMPUTING } from "./panel.js";
 import { Sound, prepareEars } from "./sound.js";
 
 // Level in decibels when no sound is played.
@@ -35,6 +36,8 @@ export class Listening {
     this.gaps = 0;
     // Whether the scene is heard: a response or the pan of its balance is played.
     this.isHeard = false;
+    // Whether waves of the scene were traced.
+    this.isTraced = false;
     // The time at which the scene was given to the sound.
     this.began = 0;
     // The timer of the message that shaders are compiled.
@@ -70,6 +73,7 @@ export class Listening {
     // The sources belong to the previous scene.
     this.forgetSources();
     this.isHeard = false;
+    this.isTraced = false;
     this.began = performance.now();
     this.showPlay();
     this.sound?.play(shown.text, shown.name, this.state.sound);
@@ -82,10 +86,14 @@ export class Listening {
     prepareEars({ ...this.shown, standing: this.standing() });
   }
 
-  // Whether the ears compute the first response of a scene. They share the graphics card with the page's waves, which
-  // wait for this time.
+  // Whether the ears trace the first waves of a scene.
+  isAwaited() {
+    return Boolean(this.sound?.isRunning()) && this.isFull() && !this.isTraced;
+  }
+
+  // Whether the page's waves wait for the ears, because both share the graphics card.
   isComputing() {
-    return this.sound?.isRunning() && this.isFull() && !this.isHeard && performance.now() - this.began < ALONE_MS;
+    return this.isAwaited() && performance.now() - this.began < ALONE_MS;
   }
 
   // Sends the choices to the mix.
@@ -173,9 +181,10 @@ export class Listening {
         this.showPlay();
       }
     }
-    if (data.sources) {
+    if (data.sources && data.scene === this.sound?.sent) {
+      this.isTraced = !data.isSketch;
       this.sources = data.sources;
-      this.texts = data.texts;
+      this.texts = data.texts.map((text) => (data.isSketch ? `${text}, late part ${COMPUTING}` : text));
       this.paths = data.paths;
       this.times = { trace: data.trace, late: data.late };
     }

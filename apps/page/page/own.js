@@ -26,15 +26,16 @@ export class OwnScenes {
     return this.all.find((own) => own.name === name) ?? null;
   }
 
-  // Returns the scene with this text, which is added if there is none. It was made from the built-in scene `scene`.
-  withText(scene, text) {
-    return this.all.find((own) => own.scene === scene && own.text === text) ?? this.add(scene, text);
+  // Returns the scene with this text, which is added with the wanted name if there is none.
+  withText(wanted, text) {
+    return this.all.find((own) => own.text === text) ?? this.add(wanted, text);
   }
 
-  add(scene, text) {
-    let name = NAME;
-    for (let number = 2; this.named(name); number++) name = `${NAME} ${number}`;
-    const own = { name, scene, text };
+  // Adds a scene. It gets the wanted name, unless that is empty or the name of another scene.
+  add(wanted, text) {
+    let name = wanted && !this.option(wanted) ? wanted : NAME;
+    for (let number = 2; this.option(name); number++) name = `${NAME} ${number}`;
+    const own = { name, text };
     this.all.push(own);
     this.list.add(new Option(name, name));
     this.keep();
@@ -46,10 +47,22 @@ export class OwnScenes {
     this.keep();
   }
 
+  // Gives a scene the wanted name, unless that is empty or the name of another scene.
+  rename(own, wanted) {
+    if (!wanted || this.option(wanted)) return;
+    const option = this.option(own.name);
+    own.name = option.value = option.text = wanted;
+    this.keep();
+  }
+
   remove(own) {
     this.all = this.all.filter((other) => other !== own);
-    Array.from(this.list.options).find((option) => option.value === own.name)?.remove();
+    this.option(own.name)?.remove();
     this.keep();
+  }
+
+  option(name) {
+    return Array.from(this.list.options).find((option) => option.value === name);
   }
 
   keep() {

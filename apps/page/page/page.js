@@ -1,6 +1,6 @@
 // The page: a walk through a scene, its sound, and the choices.
 
-import init, { Page, path_kinds, scene_text, scenes } from "./pkg/echomarch_browser.js";
+import init, { Page, path_kinds, scene_name, scene_text, scenes } from "./pkg/echomarch_browser.js";
 import { listenToScrolling, showError, showLines } from "./editor.js";
 import { listenTo } from "./keys.js";
 import * as link from "./link.js";
@@ -31,6 +31,8 @@ const WRITTEN_MS = 400;
 const LINKED_MS = 500;
 // Delay before the next attempt after a picture failed, in milliseconds.
 const AGAIN_MS = 500;
+// Time for which the button says that the link was copied, in milliseconds.
+const COPIED_MS = 2000;
 // The numbers of waves to choose from.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
 // The least level that the key 8 switches on, in decibels.
@@ -55,7 +57,7 @@ const state = {
   parts: { ...link.usual.parts },
   motion: link.usual.motion,
   text: null,
-  // The scene of `text`; null for a built-in scene.
+  // The own scene of `text`; null for a built-in scene.
   own: null,
   values: {},
 };
@@ -74,6 +76,8 @@ let pictures = 0;
 let last = null;
 let between = 30;
 let scale = 2;
+// Whether the browser is to paint the panel before the next picture.
+let isPaintDue = false;
 let spent = { waves: 0, picture: 0, plan: 0 };
 let linked = 0;
 
@@ -95,23 +99,23 @@ function text() {
   return state.text ?? builtIn();
 }
 
-// The name of the scene in the list and in errors.
-function nameOfScene() {
-  return state.own?.name ?? state.scene;
-}
-
-// Chooses an own scene, or a built-in scene if `own` is null. `take` shows it.
-function become(scene, own) {
-  state.scene = scene;
+// Chooses an own scene, or the built-in scene with this name if `own` is null. `take` shows it.
+function become(name, own) {
+  state.scene = own?.name ?? name;
   state.own = own;
   state.text = own?.text ?? null;
-  $("scene").value = nameOfScene();
+  $("scene").value = state.scene;
+}
+
+// Returns the name of the built-in scene with this text; undefined if there is none.
+function builtInWith(text) {
+  return scenes().find((name) => scene_text(name) === text);
 }
 
 // Reads the scene from the text. If the text is invalid, shows the error and leaves everything unchanged. `isAnew`
 // restarts the walk even if the scene has the same name.
 function take(isAnew) {
-  const read = { text: text(), name: nameOfScene() };
+  const read = { text: text(), name: state.scene };
   try {
     if (isAnew) {
       page.open_scene(read.text, read.name);
@@ -122,9 +126,16 @@ function take(isAnew) {
     showError(error.message);
     return false;
   }
+  if (state.own) {
+    ownScenes.rename(state.own, scene_name(state.text));
+    become(state.own.name, state.own);
+  }
   showError("");
   showValues();
   listening.play(read);
+  // The figures of the previous scene disappear before the next picture, which may take seconds.
+  show();
+  isPaintDue = true;
   return true;
 }
 
@@ -182,7 +193,7 @@ function chooseScene(name) {
   clearTimeout(written);
   const before = { scene: state.scene, own: state.own, values: state.values };
   const own = ownScenes.named(name);
-  become(own?.scene ?? name, own);
+  become(name, own);
   state.values = {};
   if (own) $("text").value = text();
   if (take(true)) {
@@ -209,7 +220,9 @@ function follow(fragment) {
   choices.scene = scenes();
   const { settings, wrong } = link.read(fragment, choices);
   clearTimeout(written);
-  become(settings.scene, settings.text === null ? null : ownScenes.withText(settings.scene, settings.text));
+  const isOwn = settings.text !== null && !builtInWith(settings.text);
+  const wanted = scenes().includes(settings.scene) ? scene_name(settings.text ?? "") : settings.scene;
+  become(builtInWith(settings.text) ?? settings.scene, isOwn ? ownScenes.withText(wanted, settings.text) : null);
   state.values = {};
   state.listen = settings.listen;
   state.sound = settings.sound;
@@ -310,6 +323,11 @@ function picture(now) {
 // scene may have changed by then.
 function loop(now) {
   if (gl.isContextLost()) return;
+  if (isPaintDue) {
+    isPaintDue = false;
+    requestAnimationFrame(loop);
+    return;
+  }
   try {
     picture(now);
     messages.say("picture", "");
@@ -338,7 +356,7 @@ function resize() {
 function drawPlan() {
   const seen = page.plan();
   const paths = listening.isFull() ? listening.paths : [];
-  plan.draw(seen, page.ways(), paths, {
+  plan.draw(seen, listening.isComputing() ? [] : page.ways(), paths, {
     listener: page.listener(),
     radius: page.radius(),
     sources: page.sources(),
@@ -363,7 +381,9 @@ function show() {
   showFrame(frame);
   showLevels(listening.levels, listening.limited);
   const isFull = listening.isFull();
-  showSources(isFull ? listening.sources : [], isFull ? listening.texts : [], page.source_names());
+  showSources(isFull ? listening.sources : [], isFull ? listening.texts : [], page.source_names(),
+    listening.isAwaited());
+  messages.say("places", page.warnings_of_places().join("\n"));
   const { trace, late } = listening.times;
   showTimes({ ...spent, between, frame: frame[6], ears: trace, late, gaps: listening.gaps });
   $("pause").textContent = state.motion === "on" ? "pause" : "go on";
@@ -386,6 +406,18 @@ function writeLink(now) {
   linked = now;
   const to = address();
   if (to !== location.hash) history.replaceState(null, "", to);
+}
+
+// Copies the link, or shows it where a browser forbids to copy.
+async function copyLink() {
+  const to = new URL(address(), location.href).href;
+  try {
+    await navigator.clipboard.writeText(to);
+    $("copy").textContent = "Link copied";
+    setTimeout(() => ($("copy").textContent = "Copy link"), COPIED_MS);
+  } catch {
+    prompt("The link to this scene:", to);
+  }
 }
 
 function connect() {
@@ -423,6 +455,7 @@ function connect() {
   $("least").onchange = (event) => {
     state.least = event.target.value;
   };
+  $("copy").onclick = copyLink;
   $("play").onclick = () => listening.playOrStop();
   $("size-of-text").onchange = (event) => {
     document.querySelector("aside").style.zoom = event.target.value;
@@ -445,15 +478,16 @@ function connect() {
 function keepWritten() {
   const edited = $("text").value;
   let own = state.own;
-  if (edited === builtIn()) {
+  const builtIn = builtInWith(edited);
+  if (builtIn) {
     if (own) ownScenes.remove(own);
     own = null;
   } else if (own) {
     ownScenes.change(own, edited);
   } else {
-    own = ownScenes.add(state.scene, edited);
+    own = ownScenes.add(scene_name(edited), edited);
   }
-  become(state.scene, own);
+  become(builtIn, own);
 }
 
 // The actions of single key presses.

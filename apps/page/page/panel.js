@@ -2,6 +2,9 @@
 
 const $ = (id) => document.getElementById(id);
 
+// Takes the place of figures of a new scene until they are known.
+export const COMPUTING = "computing …";
+
 // Returns a row of the table of times, with milliseconds to one decimal.
 function row(name, milliseconds) {
   const value = Number.isFinite(milliseconds) ? milliseconds.toFixed(1) : "–";
@@ -11,7 +14,7 @@ function row(name, milliseconds) {
 // Shows the counts and the pan of the last frame. `frame` is empty before the first frame of a scene.
 export function showFrame(frame) {
   const [hits, dead, travelling, , , pan] = frame;
-  $("hits").textContent = hits ?? "–";
+  $("hits").textContent = hits ?? COMPUTING;
   $("dead").textContent = dead ?? "–";
   $("travelling").textContent = travelling ?? "–";
   $("pan").textContent = pan?.toFixed(3) ?? "–";
@@ -34,8 +37,8 @@ export function showLevels(levels, limited) {
 }
 
 // Shows the sources of full listening with their names: three numbers per source, as EarsOfPage.sources returns them, and
-// the paths by kind, or why nothing arrives, as EarsOfPage.source_texts returns them.
-export function showSources(sources, texts, names) {
+// the paths by kind, or why nothing arrives, as EarsOfPage.source_texts returns them. `isAwaited` says that they are computed.
+export function showSources(sources, texts, names, isAwaited) {
   const told = [];
   for (let i = 0; i < sources.length; i += 3) {
     const [level, paths, direct] = sources.slice(i, i + 3);
@@ -45,7 +48,7 @@ export function showSources(sources, texts, names) {
       told.push(`${names[i / 3]}: G ${level.toFixed(1)} dB, ${paths} paths${direct ? "" : ", hidden"}`);
     }
   }
-  $("full").textContent = told.join("; ") || "–";
+  $("full").textContent = told.join("; ") || (isAwaited ? COMPUTING : "–");
   const lines = texts.length > 1 ? texts.map((text, index) => `${names[index]}: ${text}`) : texts;
   $("kinds").textContent = lines.join("\n") || "–";
 }

@@ -78,7 +78,7 @@ impl EarsOfPage {
 
     /// Traces each source in the given state of the scene. The state has the named values, the time along the paths in
     /// seconds, the listener (x, y, z, yaw, pitch) and the first source (x, y, z). Returns the responses that have
-    /// changed.
+    /// changed. `is_sketch` traces no waves: the responses are those of [`Ears::sketch`].
     #[allow(clippy::too_many_arguments)]
     pub fn hear(
         &mut self,
@@ -89,6 +89,7 @@ impl EarsOfPage {
         source: &[f32],
         profile: &str,
         waves: u32,
+        is_sketch: bool,
     ) -> Result<Vec<HeardByPage>, JsError> {
         let Some(base) = &self.base else {
             return Ok(Vec::new());
@@ -101,17 +102,14 @@ impl EarsOfPage {
         };
         let scene = standing.scene(base).map_err(thrown)?;
         let settings = settings(profile, waves, 1)?;
-        let heard = self
-            .ears
-            .hear(
-                &scene,
-                &settings,
-                &self.parts,
-                self.rate_hz,
-                self.is_new_mix,
-            )
-            .map_err(thrown)?;
-        self.is_new_mix = false;
+        let (parts, rate_hz) = (&self.parts, self.rate_hz);
+        let heard = if is_sketch {
+            self.ears.sketch(&scene, &settings, parts, rate_hz)
+        } else {
+            let is_new_mix = std::mem::take(&mut self.is_new_mix);
+            (self.ears).hear(&scene, &settings, parts, rate_hz, is_new_mix)
+        };
+        let heard = heard.map_err(thrown)?;
         Ok(heard
             .into_iter()
             .map(|message| HeardByPage { message })

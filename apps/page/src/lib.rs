@@ -38,6 +38,13 @@ pub fn scene_text(name: &str) -> Option<String> {
     Scene::builtin_text(name).map(str::to_owned)
 }
 
+/// The name that a scene has in its text; `None` if it has none, or if the text is invalid.
+#[wasm_bindgen]
+pub fn scene_name(text: &str) -> Option<String> {
+    let scene = Scene::from_ron(text, "").ok()?;
+    Some(scene.name).filter(|name| !name.is_empty())
+}
+
 /// Converts a panic to a JavaScript error with the same message. The page and the workers show that message.
 #[wasm_bindgen(start)]
 pub fn start() {

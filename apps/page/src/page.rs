@@ -142,6 +142,12 @@ impl Page {
             .collect()
     }
 
+    /// The warnings about the places of sources and listeners, such as a listener inside a solid.
+    pub fn warnings_of_places(&self) -> Vec<String> {
+        let warnings = self.visit.scene().warnings_of_places();
+        warnings.iter().map(ToString::to_string).collect()
+    }
+
     /// The names of the sources.
     pub fn source_names(&self) -> Vec<String> {
         source_names(self.visit.scene())

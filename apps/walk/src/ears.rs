@@ -1,7 +1,7 @@
 //! Full listening for a player that cannot share memory with the tracing code.
 
 use super::drawn_paths::DrawnPath;
-use super::hearing::{EarsStatus, Hearing};
+use super::hearing::{EarsStatus, Found, Hearing};
 use super::mix::HeardMessage;
 use super::parts::Parts;
 use echomarch::Error;
@@ -46,13 +46,36 @@ impl Ears {
             return Ok(Vec::new());
         }
         let mut messages = Vec::new();
-        let tell = |found: super::hearing::Found| {
+        let tell = |found: Found| {
             messages.push(HeardMessage::new(scene, &found, rate_hz)?);
             Ok(())
         };
         self.status = self
             .hearing
             .look(scene, settings, parts, is_new_mix, tell)?;
+        Ok(messages)
+    }
+
+    /// Returns the sound that is found without waves, for a mix that waits for the first trace of a scene. Returns an empty
+    /// list if the scene is known, or if waves are needed to hear anything.
+    ///
+    /// # Errors
+    /// The errors of [`hear`](Ears::hear).
+    pub fn sketch(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        parts: &Parts,
+        rate_hz: u32,
+    ) -> Result<Vec<HeardMessage>, Error> {
+        let mut messages = Vec::new();
+        let tell = |found: Found| {
+            messages.push(HeardMessage::new(scene, &found, rate_hz)?);
+            Ok(())
+        };
+        if let Some(status) = self.hearing.sketch(scene, settings, parts, tell)? {
+            self.status = status;
+        }
         Ok(messages)
     }
 

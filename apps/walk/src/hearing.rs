@@ -36,7 +36,7 @@ const ESTIMATE_WAVES: f64 = 4096.0;
 
 /// Maximum predicted duration, in seconds, of an estimate of the response length. In more expensive scenes, the length
 /// is the longest that the minimum number of waves can trace in [`LONGEST_LOOK_S`].
-const LONGEST_ESTIMATE_S: f64 = 8.0;
+const LONGEST_ESTIMATE_S: f64 = 2.0;
 
 /// Maximum number of reflections of exact paths.
 const ORDER: u32 = 3;
@@ -89,10 +89,25 @@ pub struct EarsStatus {
     pub curve_s: f64,
     /// The paths of all sources to draw in the plan. They are shared, because the status is copied for each picture.
     #[serde(skip)]
-    pub paths: Arc<[DrawnPath]>,
+    pub paths: Arc<Vec<DrawnPath>>,
     /// The reason why full listening failed.
     #[serde(skip)]
     pub error: Option<String>,
+}
+
+impl EarsStatus {
+    /// Removes the parts of a source's response that are switched off, and adds the rest to the status.
+    fn add(&mut self, pair: Pair, parts: &Parts, response: &mut Response) -> Result<(), Error> {
+        let arrives = HeardSource::of(response).level_db.is_some();
+        parts.keep(response)?;
+        let heard = HeardSource::of(response);
+        let is_silent = heard.level_db.is_none();
+        let reason = is_silent.then(|| silence(response, pair, arrives));
+        self.silences.push(reason);
+        self.sources.push(heard);
+        Arc::make_mut(&mut self.paths).extend(drawn_paths::of_response(pair, response));
+        Ok(())
+    }
 }
 
 /// The first words of the note on a source of which nothing arrives.
@@ -110,7 +125,8 @@ pub struct Hearing {
     gain: Option<f32>,
     /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
-    /// Whether the last response was shorter than its length, because a player waited for it.
+    /// Whether the last response was shorter than its length, or its length unknown, because a player waited for it. Another
+    /// trace follows, whose time contains no compilation.
     is_cut: bool,
     /// The profile of the last trace.
     profile: Option<Profile>,
@@ -236,20 +252,12 @@ impl Hearing {
             ..EarsStatus::default()
         };
         let mut curve = vec![0.0; CURVE_POINTS];
-        let mut paths = Vec::new();
         let (mut on_late, mut diffraction_ms) = (Duration::ZERO, 0.0);
         for source in 0..scene.sources.len() {
             let pair = scene.pair(source, LISTENER)?;
             let mut response = Response::trace(&mut self.tracer, pair, &how)?;
             diffraction_ms += response.diffraction_milliseconds;
-            let arrives = HeardSource::of(&response).level_db.is_some();
-            parts.keep(&mut response)?;
-            let heard = HeardSource::of(&response);
-            let is_silent = heard.level_db.is_none();
-            let reason = is_silent.then(|| silence(&response, pair, arrives));
-            status.silences.push(reason);
-            status.sources.push(heard);
-            paths.extend(drawn_paths::of_response(pair, &response));
+            status.add(pair, parts, &mut response)?;
             add_to_curve(&mut curve, &response, seconds);
             let making = Instant::now();
             tell(Found {
@@ -263,11 +271,10 @@ impl Hearing {
             on_late += making.elapsed();
         }
         status.curve = in_decibels(&curve);
-        status.paths = paths.into();
         status.late_ms = 1e3 * on_late.as_secs_f64();
         status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
         let took = TraceTime::new(tracing.elapsed().saturating_sub(on_late), diffraction_ms);
-        self.is_cut = is_waited_for && self.length.is_some_and(|(whole, _)| seconds < whole);
+        self.is_cut = is_waited_for && self.length.is_none_or(|(whole, _)| seconds < whole);
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
@@ -286,6 +293,61 @@ impl Hearing {
         Ok(status)
     }
 
+    /// Passes the sound that is found without waves to the closure if the next trace is the first one of its scene, which
+    /// compiles shaders for seconds: the direct sound, first reflections at planes, and ways around and through obstacles.
+    /// The next trace replaces it. Returns `None` if the scene is known, or if waves are needed to hear anything.
+    ///
+    /// # Errors
+    /// The errors of [`Response::without_waves`] and of the closure.
+    pub fn sketch(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        parts: &Parts,
+        mut tell: impl FnMut(Found) -> Result<(), Error>,
+    ) -> Result<Option<EarsStatus>, Error> {
+        if self.knows(scene, settings) || settings.profile() == Profile::Thesis {
+            return Ok(None);
+        }
+        let how = response_settings(settings, FIRST_WAVES)
+            .with_order(1)
+            .with_seconds(LONGEST_S);
+        let how = parts.choose(how);
+        let mut status = EarsStatus::default();
+        let mut responses = Vec::new();
+        for source in 0..scene.sources.len() {
+            let pair = scene.pair(source, LISTENER)?;
+            let mut response = Response::without_waves(pair, &how)?;
+            status.add(pair, parts, &mut response)?;
+            responses.push(response);
+        }
+        if status.silences.iter().all(Option::is_some) {
+            return Ok(None);
+        }
+        // Waves add energy, which lowers the gain. An edited scene mostly keeps the gain that it had before.
+        let found = |pair: Pair, how: &_| Response::without_waves(pair, how);
+        let gain = scene_gain::of_scene(scene, LISTENER, &how, LONGEST_S, found)?;
+        let gain = self.gain.map_or(gain, |before| before.min(gain));
+        let axes = ListenerAxes::of(scene.pair(0, LISTENER)?.listener())?;
+        for (source, response) in responses.iter().enumerate() {
+            tell(Found {
+                source,
+                response,
+                axes: &axes,
+                gain,
+                is_late_due: false,
+                glide_s: SHORTEST_GLIDE_S,
+            })?;
+        }
+        Ok(Some(status))
+    }
+
+    /// Whether a scene was traced with this profile before.
+    fn knows(&self, scene: &Scene, settings: &Settings) -> bool {
+        let last = self.scene.as_ref().map(|(last, _)| &last.name);
+        last == Some(&scene.name) && self.profile == Some(settings.profile())
+    }
+
     /// Takes the scene of the next trace as another one, because the scene was edited: its gain, its length and its
     /// numbers of waves are chosen again.
     pub fn forget_scene(&mut self) {
@@ -294,8 +356,7 @@ impl Hearing {
 
     /// Starts another scene or profile with few waves if it has marched surfaces, because the tracing time is unknown.
     fn begin_small(&mut self, scene: &Scene, settings: &Settings) {
-        let last = self.scene.as_ref().map(|(last, _)| &last.name);
-        if last == Some(&scene.name) && self.profile == Some(settings.profile()) {
+        if self.knows(scene, settings) {
             return;
         }
         self.profile = Some(settings.profile());
@@ -316,7 +377,8 @@ impl Hearing {
         }
         let mut how = how.clone();
         how.trace.waves = how.trace.waves.min(LEAST_LATE_WAVES);
-        let gain = scene_gain::of_scene(&mut self.tracer, scene, LISTENER, &how, LONGEST_S)?;
+        let trace = |pair: Pair, how: &_| Response::trace(&mut self.tracer, pair, how);
+        let gain = scene_gain::of_scene(scene, LISTENER, &how, LONGEST_S, trace)?;
         self.gain = Some(gain);
         Ok(gain)
     }
@@ -388,7 +450,7 @@ fn response_settings(chosen: &Settings, most: u32) -> ResponseSettings {
     let waves = chosen.waves.min(most);
     let chosen = chosen.clone().with_waves(waves);
     let settings = ResponseSettings::default().with_trace_of_frames(&chosen);
-    settings.with_order(ORDER)
+    settings.with_order(ORDER).without_figures()
 }
 
 /// Adds the energies of a response to the intervals of the curve.

@@ -5,7 +5,6 @@ use echomarch::Error;
 use echomarch::auralisation::HeardSource;
 use echomarch::response::{PathKind, Response, ResponseSettings};
 use echomarch::scene::{Pair, Scene};
-use echomarch::tracer::Tracer;
 use glam::Vec3;
 
 /// Level in decibels, relative to a full-scale sound, of the sound at the loudest places. The peaks of white noise that
@@ -36,19 +35,20 @@ const LENGTH_S: f64 = 0.5;
 /// loudest place is taken to have the loudest direct sound of one source, and all other sound of all sources.
 ///
 /// # Errors
-/// The errors of [`Response::trace`].
+/// The errors of `trace`, which gives the response of a pair.
 pub fn of_scene(
-    tracer: &mut Tracer,
     scene: &Scene,
     listener: usize,
     settings: &ResponseSettings,
     longest_s: f64,
+    mut trace: impl FnMut(Pair, &ResponseSettings) -> Result<Response, Error>,
 ) -> Result<f32, Error> {
     let seconds = match scene.has_materials() || scene.air.is_some() {
         true => LENGTH_S,
         false => longest_s,
     };
     let settings = settings.clone().with_order(1).with_seconds(seconds);
+    let settings = settings.with_diffraction(false);
     let (mut direct, mut others) = (0.0_f64, 0.0);
     for source in 0..scene.sources.len() {
         let pair = scene.pair(source, listener)?;
@@ -57,7 +57,7 @@ pub fn of_scene(
             first.position = near_source(scene, pair);
         }
         let pair = near.pair(source, listener)?;
-        let heard = HeardSource::of(&Response::trace(tracer, pair, &settings)?);
+        let heard = HeardSource::of(&trace(pair, &settings)?);
         let of_direct = energy_of(heard.kinds.iter().find_map(|kind| match kind.kind {
             PathKind::Direct => kind.level_db,
             _ => None,
@@ -103,6 +103,7 @@ fn near_source(scene: &Scene, pair: Pair) -> Vec3 {
 mod tests {
     use super::*;
     use echomarch::gl::{Context, ContextOptions};
+    use echomarch::tracer::Tracer;
 
     /// Length in seconds of the responses in a scene without absorption.
     const LONGEST_S: f64 = 2.0;
@@ -112,7 +113,9 @@ mod tests {
         let mut tracer =
             Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
         let settings = ResponseSettings::default().with_late_waves(1024);
-        20.0 * f64::from(of_scene(&mut tracer, &scene, 0, &settings, LONGEST_S).unwrap()).log10()
+        let trace = |pair: Pair, how: &_| Response::trace(&mut tracer, pair, how);
+        let gain = of_scene(&scene, 0, &settings, LONGEST_S, trace).unwrap();
+        20.0 * f64::from(gain).log10()
     }
 
     fn open(distance: f32) -> String {
@@ -146,7 +149,8 @@ mod tests {
             Tracer::new(&Context::headless(&ContextOptions::default()).unwrap()).unwrap();
         let settings = ResponseSettings::default().with_late_waves(1024);
         let settings = settings.with_seconds(LONGEST_S);
-        let gain = f64::from(of_scene(&mut tracer, &scene, 0, &settings, LONGEST_S).unwrap());
+        let trace = |pair: Pair, how: &_| Response::trace(&mut tracer, pair, how);
+        let gain = f64::from(of_scene(&scene, 0, &settings, LONGEST_S, trace).unwrap());
         let pair = scene.pair(0, 0).unwrap();
         let response = Response::trace(&mut tracer, pair, &settings).unwrap();
         let strength_db = HeardSource::of(&response).level_db.unwrap();

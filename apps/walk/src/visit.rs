@@ -122,6 +122,7 @@ impl Visit {
     fn forget(&mut self) {
         self.view.forget();
         self.paths.forget();
+        self.cut = Cut::default();
         self.traced = None;
         self.heard = None;
     }
@@ -354,7 +355,7 @@ mod tests {
         assert!(next_frame(&mut visit).is_some());
     }
 
-    /// Protects a new scene from showing the counts of the previous scene. Also protects a link that the user follows:
+    /// Protects a new scene from showing the counts and the extent of the previous scene. Also protects a link that the user follows:
     /// earlier actions have no effect on its state.
     #[test]
     fn a_scene_that_is_opened_begins_anew() {
@@ -363,7 +364,14 @@ mod tests {
         visit.put_source(Vec3::ONE);
         visit.look(0.5, 0.0);
         assert_eq!(visit.placed_source(), Some(Vec3::ONE));
+        visit.world.now.listeners[0].position.x += 500.0;
+        let width = |visit: &mut Visit| {
+            let (plan, _) = visit.plan();
+            plan.bounds.max.x - plan.bounds.min.x
+        };
+        let wide = width(&mut visit);
         visit.set_scene(Scene::builtin("corner").unwrap()).unwrap();
+        assert!(width(&mut visit) < wide - 400.0);
         assert!(visit.frame().is_none());
         assert!(visit.walker().is_some() && visit.placed_source().is_some());
         visit.open_scene(Scene::builtin("corner").unwrap()).unwrap();

@@ -15,7 +15,7 @@
 //!
 
 use super::reach::{self, Reach};
-use crate::response::{Accuracy, CommonErrors};
+use crate::response::{Accuracy, CommonErrors, ResponseSettings};
 use crate::scene::{Listener, Node, Pair, Scene};
 use crate::tracer::{Detector, Limits, NO_LIMITS};
 
@@ -122,6 +122,15 @@ impl LateSphere {
             errors: Some(errors(scene, reach.radius_m, scale)),
             inner_m: gathers(scene).then(|| own_m.max(INNER * reach.radius_m)),
             is_narrowed: false,
+        }
+    }
+
+    /// The sphere for responses with these settings. Without figures there is no comparison, and no inner sphere.
+    pub fn for_settings(pair: Pair, order: u32, settings: &ResponseSettings) -> LateSphere {
+        let sphere = LateSphere::of(pair, order, settings.accuracy.as_ref());
+        LateSphere {
+            inner_m: sphere.inner_m.filter(|_| !settings.omits_figures),
+            ..sphere
         }
     }
 

@@ -16,6 +16,20 @@ const LEAST_USUAL_DENSITY: f64 = 8.0;
 impl Scene {
     /// Returns warnings about the scene in its current state. Scenes with warnings can still be traced.
     pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = self.warnings_of_places();
+        warnings.extend(self.rooms_that_fill_each_other());
+        warnings.extend(self.rooms_without_a_way());
+        warnings.extend(self.without_material());
+        warnings.extend(self.one_sided_fields());
+        warnings.extend(self.odd_meshes());
+        warnings.extend(self.large_rooms());
+        warnings.extend(self.odd_units());
+        warnings
+    }
+
+    /// Returns the warnings about the places of sources and listeners, which take little time.
+    #[doc(hidden)]
+    pub fn warnings_of_places(&self) -> Vec<Warning> {
         let mut warnings = self.odd_sources();
         for (index, listener) in self.listeners.iter().enumerate() {
             if let Some((surface, depth)) = self.solid_at(listener.position) {
@@ -27,13 +41,6 @@ impl Scene {
                 });
             }
         }
-        warnings.extend(self.rooms_that_fill_each_other());
-        warnings.extend(self.rooms_without_a_way());
-        warnings.extend(self.without_material());
-        warnings.extend(self.one_sided_fields());
-        warnings.extend(self.odd_meshes());
-        warnings.extend(self.large_rooms());
-        warnings.extend(self.odd_units());
         warnings
     }
 

@@ -1,6 +1,8 @@
 //! Reads a mesh file by the format that its extension names.
 
 use super::{MeshError, MeshFaces};
+#[cfg(not(feature = "meshes"))]
+use crate::{file_input::InputError, platform};
 use std::path::Path;
 
 /// Maximum size of a mesh file in bytes. A text of two million triangles takes about 200 MB.
@@ -33,8 +35,13 @@ pub(super) fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
 /// Without the readers no file is read.
 ///
 /// # Errors
-/// [`MeshError::NoReaders`].
+/// [`MeshError::NoReaders`], or [`MeshError::Unreadable`] in a browser.
 #[cfg(not(feature = "meshes"))]
 pub(super) fn faces(_: &Path) -> Result<MeshFaces, MeshError> {
-    Err(MeshError::NoReaders)
+    Err(match platform::HAS_FILES {
+        true => MeshError::NoReaders,
+        false => MeshError::Unreadable {
+            why: InputError::NoFiles.to_string(),
+        },
+    })
 }

@@ -41,8 +41,8 @@ pub struct ArrivalTargets {
     /// The target of each pair, with the tally and the records, which both targets share.
     chunks: [RenderTarget; 2],
     current: usize,
-    /// Read-backs of tally, words and records.
-    reads: Vec<AsyncRead>,
+    /// Read-back of tally, words and records.
+    read: AsyncRead,
     /// The texels that were read.
     texels: Vec<Vec<f32>>,
     pub list: ListTargets,
@@ -75,13 +75,12 @@ impl ArrivalTargets {
             RenderTarget::new(context, &all)
         };
         let chunks = [target(&states[0])?, target(&states[1])?];
-        let reads = shared.iter().map(|_| AsyncRead::new(context));
         Ok(ArrivalTargets {
             grid,
             states,
             chunks,
             current: 0,
-            reads: reads.collect::<Result<_, _>>()?,
+            read: AsyncRead::new(context)?,
             texels: vec![Vec::new(); shared.len()],
             list: ListTargets::new(context, &text)?,
             originals: texture()?,
@@ -210,18 +209,22 @@ impl ArrivalTargets {
 
     /// Reads back the textures with these numbers, counted from the tally.
     fn read_textures(&mut self, textures: Range<usize>, rows: u32) -> Result<(), GpuError> {
+        if textures.is_empty() {
+            return Ok(());
+        }
         let target = &self.chunks[1 - self.current];
         let first = ArrivalsText::TALLY as usize;
-        for index in textures.clone() {
-            self.reads[index].begin(target, first + index, self.grid.width, rows)?;
-        }
-        let reads = self.reads[textures.clone()].iter_mut();
-        for (read, texels) in reads.zip(&mut self.texels[textures]) {
-            read.wait(|floats| {
+        let attachments = first + textures.start..first + textures.end;
+        self.read
+            .begin(target, attachments, self.grid.width, rows)?;
+        let all = &mut self.texels[textures];
+        self.read.wait(|floats| {
+            let parts = floats.chunks_exact((floats.len() / all.len()).max(1));
+            for (texels, part) in all.iter_mut().zip(parts) {
                 texels.clear();
-                texels.extend_from_slice(floats);
-            })?;
-        }
+                texels.extend_from_slice(part);
+            }
+        })?;
         Ok(())
     }
 

@@ -66,7 +66,7 @@ fn gpu_drops_leave_the_context_of_others_current() {
         let texture = Texture::new(&context, 2, 2).unwrap();
         let target = RenderTarget::new(&context, &[&texture]).unwrap();
         let mut read = AsyncRead::new(&context).unwrap();
-        read.begin(&target, 0, 2, 2).unwrap();
+        read.begin(&target, 0..1, 2, 2).unwrap();
         drop_beside(&raw, "a read under way", read);
         drop_beside(&raw, "a target", target);
         drop_beside(&raw, "a texture", texture);

@@ -334,6 +334,8 @@ fn a_bad_text_is_told_and_the_scene_goes_on() {
         let image = of("HeightField(image: \"hill.png\", size: (9, 1, 9))");
         write_text(browser, &image);
         browser.wait_for("#error", "there are no files in a browser");
+        write_text(browser, &of("Mesh(file: \"hill.obj\")"));
+        browser.wait_for("#error", "hill.obj: there are no files in a browser");
         write_text(browser, &of("Plane"));
         wait(
             browser,

@@ -106,12 +106,19 @@ fn an_error_is_shown_beside_the_text_with_its_line() {
         write_text(browser, "Scene(\n    surfaces: [Surface(shape: Plain)],\n)");
         browser.wait_for("#error", "line 2: surfaces: [Surface(shape: Plain)]");
         assert_eq!(browser.text("#lines .bad"), "2");
-        // Text and error are visible together.
-        let seen = "return ['error', 'lines'].every((id) => {
+        // Text, error and levels are visible together.
+        let seen = "return ['error', 'lines', 'left'].every((id) => {
             const box = document.getElementById(id).getBoundingClientRect();
             return box.bottom > 0 && box.top < innerHeight;
         })";
         wait(browser, seen);
+        // A long line is wrapped, and so is the place of its number.
+        write_text(browser, &format!("// {}\n\n", "long ".repeat(100)));
+        let is_wrapped = "const text = document.getElementById('text'); \
+            const [long, short] = document.querySelectorAll('#lines div'); \
+            return text.scrollWidth <= text.clientWidth && long.offsetHeight > 2 * short.offsetHeight \
+            && document.getElementById('lines').scrollHeight === text.scrollHeight";
+        wait(browser, is_wrapped);
     });
 }
 

@@ -1,6 +1,6 @@
 //! Texts of the user: they have their own entry in the list of scenes, and are not lost.
 
-use super::{on_page, wait, write_text};
+use super::{escaped, on_page, wait, write_text};
 use crate::webdriver::Browser;
 
 /// A floor, and a source at the given distance in front of the listener. The scene has no name.
@@ -93,5 +93,47 @@ fn a_change_that_is_undone_leaves_the_scene() {
             browser.run("return echomarch.state.text"),
             serde_json::Value::Null
         );
+    });
+}
+
+/// Protects links: a link opens its scene with the name that the scene has in its text, or had in the list, and the text of
+/// a built-in scene as this scene. A button copies the link.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_link_keeps_the_name_of_its_scene() {
+    let named =
+        |name: &str, distance| floor(distance).replacen('(', &format!("(name: \"{name}\", "), 1);
+    on_page(|stage, browser| {
+        let link = format!("#waves=1024&text={}", escaped(&named("yard", 5)));
+        stage.load(browser, &link);
+        wait_for_scene(browser, "yard", 5);
+        write_text(browser, &named("garden", 7));
+        wait_for_scene(browser, "garden", 7);
+        wait(
+            browser,
+            "Object.defineProperty(navigator, 'clipboard', { value: { writeText: (text) => { window.copied = text; } } }); \
+             document.getElementById('copy').click(); return true",
+        );
+        browser.wait_for("#copy", "Link copied");
+        let copied = browser.run("return new URL(window.copied).hash");
+        browser.run("sessionStorage.clear(); return 0");
+        stage.load(browser, copied.as_str().unwrap());
+        wait_for_scene(browser, "garden", 7);
+        let link = format!("#scene=porch&waves=1024&text={}", escaped(&floor(6)));
+        stage.load(browser, &link);
+        wait_for_scene(browser, "porch", 6);
+        wait(
+            browser,
+            "return echomarch.address().includes('scene=porch')",
+        );
+        choose(browser, "corner");
+        let text = browser.run("return document.getElementById('text').value");
+        let link = format!(
+            "#scene=porch&waves=1024&text={}",
+            escaped(text.as_str().unwrap())
+        );
+        stage.load(browser, &link);
+        let named = "return document.getElementById('scene').value";
+        assert_eq!(browser.run(named), "corner");
     });
 }

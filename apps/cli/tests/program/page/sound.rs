@@ -229,6 +229,59 @@ fn a_sound_that_was_stopped_goes_on_where_one_stands() {
     });
 }
 
+/// Protects users who edit a scene: the changed scene is heard without its waves first, whose shaders take seconds to
+/// compile. The figures of the previous scene disappear at once.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_changed_scene_is_heard_before_its_waves() {
+    const WATCH: &str = "
+        window.said = { hits: [], full: [], kinds: [] };
+        for (const [id, said] of Object.entries(window.said)) {
+            const element = document.getElementById(id);
+            new MutationObserver(() => said.push(element.textContent)).observe(element, { childList: true });
+        }
+        return 0";
+    on_page(|stage, browser| {
+        stage.load(
+            browser,
+            "#scene=shoebox&waves=4096&sound=noise&diffraction=on",
+        );
+        browser.click("#play");
+        browser.wait_for("#kinds", "late");
+        wait(browser, "return echomarch.page.frame().length > 0");
+        browser.run(WATCH);
+        let text = browser.run("return document.getElementById('text').value");
+        let ball = "surfaces: [Surface(shape: Torus(ring: 0.3, tube: 0.1)), ";
+        let changed = text.as_str().unwrap().replacen("surfaces: [", ball, 1);
+        write_text(browser, &changed);
+        wait(
+            browser,
+            "const { hits, full, kinds } = window.said; \
+             return hits[0] === 'computing …' && full[0] === 'computing …' \
+             && kinds.findIndex((text) => text.includes('mirrored') && text.includes('late part computing …')) >= 0 \
+             && /late [\\d.]+ dB/.test(kinds.at(-1)) && hits.at(-1) !== 'computing …'",
+        );
+    });
+}
+
+/// Protects users who stand inside a solid from unexplained silence: the page names the solid, as the program does.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_listener_inside_a_solid_is_told() {
+    on_page(|stage, browser| {
+        let link = format!("#waves=1024&text={}", escaped(PILLAR));
+        stage.load(browser, &link);
+        assert!(browser.text("#message").is_empty());
+        browser.run("echomarch.page.stand(0, 0, 0.2, 0, 0); return 0");
+        browser.wait_for(
+            "#message",
+            "m inside surface 1 (CappedCylinder): few waves reach it",
+        );
+        browser.run("echomarch.page.stand(0, 0, 3, 0, 0); return 0");
+        wait(browser, "return document.getElementById('message').hidden");
+    });
+}
+
 /// Protects users who serve the page without encryption from unexplained silence: the page states what sound requires,
 /// and continues.
 #[test]
