@@ -4,16 +4,16 @@ use crate::bands::{BAND_COUNT, BANDS_HZ};
 use crate::response::diagnosis::Gap;
 use crate::response::figures::Withheld;
 use crate::response::{BandFigures, Figures, Response};
-use crate::scene::Scene;
+use crate::scene::{Pair, Scene};
 use crate::tracer::Settings;
 
 /// Returns a sentence for each reason why figures are missing, with the affected bands.
-pub(super) fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
+pub(super) fn reasons(pair: Pair, response: &Response) -> Vec<String> {
     if response.counts.arrivals == 0 && response.paths.is_empty() {
         // Another note already reports that no sound arrives.
         return Vec::new();
     }
-    let gaps = response.gaps();
+    let (scene, gaps) = (pair.scene(), response.gaps(pair));
     let told = |reason: Gap| {
         let of_reason = gaps.map(|gap| gap == Some(reason));
         of_reason
@@ -34,6 +34,9 @@ fn sentence(
     let times = missing_among(&TIMES, &response.figures.bands, of_reason);
     match reason {
         Gap::Silence => format!("nothing arrives {bands}"),
+        Gap::InSolid => {
+            format!("nothing arrives {bands}: the source or the listener is in a solid")
+        }
         Gap::TooShort if scene.has_materials() || scene.air.is_some() => format!(
             "sound continues after {seconds:.2} s {bands}, so figures are missing or inexact there: use a longer record (seconds)"
         ),

@@ -4,7 +4,7 @@
 
 mod flutter;
 mod missing;
-mod silence;
+pub(super) mod silence;
 
 use super::{HeardPath, Response};
 use crate::scene::{Pair, Surface};
@@ -63,7 +63,7 @@ impl Response {
         let scene = pair.scene();
         let mut notes = self.lost_waves();
         notes.extend(self.inexact_paths(pair).into_iter().map(Note::new));
-        notes.extend(missing::reasons(scene, self).into_iter().map(Note::new));
+        notes.extend(missing::reasons(pair, self).into_iter().map(Note::new));
         notes.extend(missing::of_accuracy(self).into_iter().map(Note::new));
         notes.extend(flutter::sentences(scene, self).into_iter().map(Note::new));
         notes

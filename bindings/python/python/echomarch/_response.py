@@ -222,7 +222,8 @@ class Response:
         Time of the computation in ms; that of all listeners of the source if they were traced together.
     gaps : list of str or None
         Why figures of a band are missing, for all eight bands; None if all decay times are there: ``"nothing arrives"``,
-        ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"`` (more `waves`).
+        ``"in a solid or outside the room"``, ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"``
+        (more `waves`).
     notes : list of str
         Why figures are missing or inexact, and what to do about it; the sentences of the program. Empty if nothing is to
         be said. ``Scene.warnings`` has those about the scene itself.
