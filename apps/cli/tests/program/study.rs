@@ -417,6 +417,26 @@ fn places_in_solids_are_told_apart_from_silence() {
     assert_eq!(gaps.collect::<Vec<_>>(), ["5", "0", "5"]);
 }
 
+/// Protects the accuracy of a study: every figure has the requested error, as with `impulse --accuracy`.
+#[test]
+fn a_study_has_the_accuracy_that_it_asks_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"Study(
+        scenes: [Scene(of: "hall.ron")],
+        settings: All(waves: [64]),
+        keep: Keep(pan: false, counts: false, response: Response(
+            figures: [t30], bands_hz: [1000], errors: true, accuracy: 0.05,
+        )),
+    )"#;
+    let file = study(folder.path(), text);
+    let out = folder.path().join("out");
+    succeed(&["study", &file, "-o", argument(&out)]);
+    let csv = std::fs::read_to_string(out.join("study.csv")).unwrap();
+    let row: Vec<&str> = csv.lines().nth(1).unwrap().rsplit(',').collect();
+    let [error_s, t30_s] = [row[1], row[2]].map(|cell| cell.parse::<f64>().expect(&csv));
+    assert!(error_s <= 0.05 * t30_s, "{csv}");
+}
+
 /// Protects maps: the program draws a picture of a column over a grid of listeners, and reports an error without a
 /// grid.
 #[test]
