@@ -159,7 +159,7 @@ def test_progress_reports_each_round(room, capsys):
 @pytest.mark.parametrize(
     "settings, sentence",
     [
-        ({"accuracy": 0.5}, "accuracy of figures must be 0.001 to 0.05"),
+        ({"accuracy": 0.5}, "accuracy of figures must be a share of 0.001 to 0.05"),
         ({"waves": 0}, "waves must be 1 to 16777216, not 0"),
         ({"waves": 100, "time_limit": 1}, "time_limit needs accuracy"),
         ({"seconds": 100}, "an impulse response of 100 s: it must be longer than 0 s and no longer than 60 s"),

@@ -94,8 +94,8 @@ def response(
     source, listener : str or int, optional
         Name or number (from 1) of the source and of the listener; not needed if there is only one.
     accuracy : float, optional
-        Standard error of EDT, T20 and T30 as a share of the time, 0.001 to 0.05. C50, C80 and G have a tenth of a
-        decibel for each per cent. The number of waves grows until all figures have this error. The default is 0.02
+        Standard error of EDT, T20 and T30 as a share of the time, 0.001 to 0.05: 0.02 is 2 %. C50, C80 and G have a
+        tenth of a decibel for each per cent. The number of waves grows until all figures have this error. The default is 0.02
         unless `waves` is given.
     waves : int, optional
         Number of waves; with `accuracy` the maximum number.
