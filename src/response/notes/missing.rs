@@ -151,7 +151,7 @@ impl Figures {
 }
 
 /// Why figures do not have the requested accuracy.
-pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
+pub(super) fn of_accuracy(pair: Pair, response: &Response) -> Vec<String> {
     let (Some(accuracy), figures) = (response.accuracy, &response.figures) else {
         return Vec::new();
     };
@@ -173,7 +173,8 @@ pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
     let limited = listed_where(|band, figure| figures.is_limited(accuracy, band, figure));
     if !limited.is_empty() {
         texts.push(format!(
-            "± is above the accuracy of {percent} %, because parts of the error are not noise, and more waves may not reduce them: {limited}"
+            "± is above the accuracy of {percent} %, because it is more than noise: exact paths lead to the listener's centre, waves to its sphere of {} m, late arrivals to a larger sphere; more waves may not reduce ±, a smaller listener may (docs/acoustics.md#notes): {limited}",
+            pair.listener().radius
         ));
     }
     texts
@@ -257,7 +258,7 @@ fn bands(of: [bool; BAND_COUNT]) -> String {
 }
 
 /// Formats a list as text: `a`, `a and b`, `a, b and c`.
-fn listed(words: &[impl AsRef<str>]) -> String {
+pub(super) fn listed(words: &[impl AsRef<str>]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     match words.split_last() {
         Some((last, [])) => (*last).to_owned(),

@@ -8,7 +8,8 @@ pub(super) mod silence;
 
 use super::{HeardPath, Response};
 use crate::bands::BAND_COUNT;
-use crate::scene::{Pair, Surface};
+use crate::scene::Pair;
+use missing::listed;
 use std::fmt;
 
 /// One sentence about a response, from [`Response::notes`].
@@ -65,7 +66,7 @@ impl Response {
         let mut notes = self.lost_waves();
         notes.extend(self.inexact_paths(pair).into_iter().map(Note::new));
         notes.extend(missing::reasons(pair, self).into_iter().map(Note::new));
-        notes.extend(missing::of_accuracy(self).into_iter().map(Note::new));
+        notes.extend(missing::of_accuracy(pair, self).into_iter().map(Note::new));
         notes.extend(flutter::sentences(scene, self).into_iter().map(Note::new));
         notes
     }
@@ -119,17 +120,21 @@ impl Response {
             ));
         }
         texts.extend(self.hidden_source(pair));
-        let gathered = |heard: &HeardPath| heard.path.is_focus && !heard.is_direct();
-        if self.paths.iter().any(gathered) {
-            texts.push(
-                "sound is focused: after repeated focusing, rounding determines the paths, and ± of late decays does not include that error".to_owned(),
-            );
+        let gathered = |heard: &&HeardPath| heard.path.is_focus && !heard.is_direct();
+        if let Some(focused) = self.paths.iter().find(gathered) {
+            texts.push(format!(
+                "sound is focused (over {}): after repeated focusing, rounding determines the paths, and ± of late decays does not include that error; compare with a moved listener (docs/acoustics.md#notes)",
+                focused.path.surface_labels(pair.scene()).join(", ")
+            ));
         }
-        let gathers = |surface: &Surface| surface.shape.gathers_sound();
-        if pair.scene().surfaces.iter().any(gathers) {
-            texts.push(
-                "a concave surface focuses sound: if the energy of exact paths at the listener's centre differs from the energy that reaches its sphere, ± includes the difference; for reflections beyond the order of exact paths the difference is unknown, so compare with a larger order and a smaller listener".to_owned(),
-            );
+        let surfaces = pair.scene().surfaces.iter().enumerate();
+        let concave = surfaces.filter(|(_, surface)| surface.shape.gathers_sound());
+        let concave: Vec<String> = concave.map(|(index, of)| of.label(index)).collect();
+        if !concave.is_empty() {
+            texts.push(format!(
+                "curved surfaces that may be concave can focus sound ({}): if the energy of exact paths at the listener's centre differs from the energy that reaches its sphere, ± includes the difference; for reflections beyond the order of exact paths the difference is unknown, so compare with a larger order and a smaller listener (docs/acoustics.md#notes)",
+                listed(&concave)
+            ));
         }
         texts
     }
@@ -153,7 +158,7 @@ mod tests {
     use crate::glam::Vec3;
     use crate::response::ResponseSettings;
     use crate::scene::shape::{Cuboid, Room};
-    use crate::scene::{Listener, Source};
+    use crate::scene::{Listener, Source, Surface};
     use crate::tracer::{Settings, Tracer};
 
     /// Protects readers of the notes: only lost waves that change figures are a warning, and no text names an option of
@@ -179,6 +184,8 @@ mod tests {
         response.paths[1].path.is_focus = true;
         let notes = response.notes(pair);
         assert!(notes.len() >= 6, "{notes:?}");
+        let names = |note: &Note| note.to_string().contains("sound is focused (over room/");
+        assert!(notes.iter().any(names), "{notes:?}");
         for note in notes {
             let text = note.to_string();
             assert!(!text.is_empty() && !text.contains("--"), "{text}");
