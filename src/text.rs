@@ -140,8 +140,8 @@ pub fn is_hidden(c: char) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects users who know a material by a part of its name: all names with this word are suggested, and all names
-    /// if none has it.
+    /// Protects users who know a material by a part of its name: all names with this word are suggested, otherwise all
+    /// names.
     #[test]
     fn names_with_a_common_word_are_suggested() {
         let known = ["brick", "mineral-wool", "wood-floor", "wood-panel"];

@@ -6,7 +6,7 @@ use crate::worker::{self, Observer};
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::hrtf::HrirSet;
 use echomarch::response::{
-    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, Gap, ImpulseResponse, ImpulseSettings,
+    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, ImpulseResponse, ImpulseSettings,
     ListenerAxes, Response, ResponseError, ResponseSettings, RoomMeasurement, Round,
 };
 use echomarch::scene::Pair;
