@@ -25,12 +25,37 @@ pub fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
-/// Appends the most similar known name to the message, or all known names if no name is similar.
+/// Appends to the message the most similar known name, else the known names that have a word in common with the typed
+/// one, such as `wood-floor` for `wood`, else all known names.
 pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
-    match nearest(typed, known.iter().copied()) {
-        Some(nearest) => format!("{refused}; did you mean {nearest}?"),
-        None => format!("{refused}; there are {}", known.join(", ")),
+    let similar = match nearest(typed, known.iter().copied()) {
+        Some(nearest) => vec![nearest],
+        None => with_common_word(typed, known),
+    };
+    match similar.is_empty() {
+        true => format!("{refused}; there are {}", known.join(", ")),
+        false => format!("{refused}; did you mean {}?", similar.join(" or ")),
     }
+}
+
+/// The known names of which a word contains a word of the typed name, or the other way round.
+fn with_common_word<'a>(typed: &str, known: &[&'a str]) -> Vec<&'a str> {
+    const LEAST_LETTERS: usize = 4;
+    let words = |name: &str| -> Vec<String> {
+        let name = name.to_lowercase();
+        let words = name.split(|c: char| !c.is_alphanumeric());
+        let words = words.filter(|word| word.chars().count() >= LEAST_LETTERS);
+        words.map(str::to_owned).collect()
+    };
+    let typed = words(typed);
+    let is_common = |word: &String| {
+        let mut typed = typed.iter();
+        typed.any(|other| word.contains(other.as_str()) || other.contains(word.as_str()))
+    };
+    let known = known.iter().copied();
+    known
+        .filter(|name| words(name).iter().any(is_common))
+        .collect()
 }
 
 /// Appends all known names, and the known name that is most similar to the typed name, to a message.
@@ -114,6 +139,24 @@ pub fn is_hidden(c: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Protects users who know a material by a part of its name: all names with this word are suggested, otherwise all
+    /// names.
+    #[test]
+    fn names_with_a_common_word_are_suggested() {
+        let known = ["brick", "mineral-wool", "wood-floor", "wood-panel"];
+        let told = |typed| nearest_or_all("no", typed, &known);
+        assert_eq!(told("wood"), "no; did you mean wood-floor or wood-panel?");
+        assert_eq!(
+            told("Wooden wall"),
+            "no; did you mean wood-floor or wood-panel?"
+        );
+        assert_eq!(told("wool"), "no; did you mean mineral-wool?");
+        assert_eq!(told("glass_wool"), "no; did you mean mineral-wool?");
+        assert_eq!(told("bric"), "no; did you mean brick?");
+        let all = "no; there are brick, mineral-wool, wood-floor, wood-panel";
+        assert_eq!((told("oak"), told("")), (all.to_owned(), all.to_owned()));
+    }
 
     /// Protects terminals: a text cannot move the cursor, begin a line or change the writing direction.
     #[test]

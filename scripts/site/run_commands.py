@@ -2,9 +2,9 @@
 
     python3 scripts/site/run_commands.py --in FOLDER [--python PYTHON] DOCUMENT.md …
 
-A block ```sh is run by bash, line by line. The blocks ```python of a document are run as one script. A block ```ron is
-saved under the name in the sentence before it: "Save this as `room.ron`:". Blocks of other languages are not run. Names
-of files are relative to FOLDER.
+A block ```sh is run by bash, line by line. The blocks ```python of a document are run as one script. A block ```ron or
+```glsl is saved under the name in the sentence before it: "Save this as `room.ron`:". Blocks of other languages are not
+run. Names of files are relative to FOLDER.
 """
 
 import argparse
@@ -13,8 +13,8 @@ import re
 import subprocess
 import sys
 
-BLOCK = re.compile(r"^```(sh|python|ron)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NAMED = re.compile(r"Save this as `([\w.-]+)`:\s*\Z")
+BLOCK = re.compile(r"^```(sh|python|ron|glsl)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NAMED = re.compile(r"Save\s+this\s+as\s+`([\w.-]+)`:\s*\Z")
 
 
 def run(command, folder):
@@ -31,7 +31,7 @@ def run_document(document, folder, python):
     script, count = [], 0
     for block in BLOCK.finditer(text):
         language, body = block.groups()
-        if language == "ron":
+        if language in ("ron", "glsl"):
             named = NAMED.search(text[: block.start()])
             if named:
                 (folder / named[1]).write_text(body)

@@ -3,7 +3,7 @@
 //! A line starts in the air. Rounding can move its start up to `error_bound` metres into a solid. A line that points
 //! into the solid then hits the surface at once, and a line that points out of the solid leaves it.
 
-use super::in_front::OpenPlane;
+use super::in_front::{OpenPlane, box_distance};
 use super::intersection::{Face, Intersection};
 use super::marched::MarchedField;
 use super::placed_mesh::PlacedMesh;
@@ -487,9 +487,4 @@ fn project_onto_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3,
     let mut normal = DVec3::ZERO;
     normal[face.axis] = side * outward;
     (point, normal)
-}
-
-pub(super) fn box_distance(p: DVec3, half: DVec3) -> f64 {
-    let beyond = p.abs() - half;
-    beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
 }

@@ -9,7 +9,6 @@
 //! # Deviations
 //! Of shapes without plane faces, and of those below operators that deform, faces in the plane remain closed.
 
-use super::closed_form::box_distance;
 use crate::scene::shape::{Cuboid, HalfSpace, Room};
 use crate::scene::{Node, Shape};
 use glam::DVec3;
@@ -122,6 +121,12 @@ impl OpenPlane {
             _ => shape.value(p),
         }
     }
+}
+
+/// Signed distance in metres to a box about the origin with these half sizes.
+pub(super) fn box_distance(p: DVec3, half: DVec3) -> f64 {
+    let beyond = p.abs() - half;
+    beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
 }
 
 fn half(size: glam::Vec3) -> DVec3 {

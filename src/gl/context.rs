@@ -274,7 +274,7 @@ impl Context {
     }
 
     /// Queries the GL errors since the last call and clears them. In a browser it only finds a lost context, and leaves the
-    /// errors to [`check_and_wait`](Context::check_and_wait).
+    /// errors to the next read-back.
     ///
     /// # Errors
     /// The first error, with the operation that caused it: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or

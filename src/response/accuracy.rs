@@ -117,7 +117,7 @@ impl Accuracy {
             Err(TraceError::BadSetting { what, must, value }.into())
         };
         if !SHARES.contains(&self.share) {
-            let must = "0.001 to 0.05 (0.1 % to 5 %)";
+            let must = "a share of 0.001 to 0.05 (0.1 % to 5 %)";
             return bad("accuracy of figures", must, self.share.to_string());
         }
         if self

@@ -23,11 +23,19 @@ pub enum Gap {
     NoLateSound,
     /// Sound decays, but there are too few waves to estimate the decay.
     TooNoisy,
+    /// Nothing arrives, because the source or the listener is in a solid. The space outside a room is solid too.
+    InSolid,
 }
 
 impl Gap {
     /// All reasons, in the order of reporting.
-    pub const ALL: [Gap; 4] = [Gap::Silence, Gap::TooShort, Gap::NoLateSound, Gap::TooNoisy];
+    pub const ALL: [Gap; 5] = [
+        Gap::Silence,
+        Gap::TooShort,
+        Gap::NoLateSound,
+        Gap::TooNoisy,
+        Gap::InSolid,
+    ];
 
     /// The reason why figures of a band are missing or inexact; `None` if all its decay times are present. `is_heard`
     /// states whether any sound arrives in the band.
@@ -56,13 +64,14 @@ impl Gap {
         }
     }
 
-    /// The reason in two or three words.
+    /// The reason in a few words.
     pub fn words(self) -> &'static str {
         match self {
             Gap::Silence => "nothing arrives",
             Gap::TooShort => "record too short",
             Gap::NoLateSound => "no late sound",
             Gap::TooNoisy => "too noisy",
+            Gap::InSolid => "in a solid or outside the room",
         }
     }
 
@@ -273,8 +282,8 @@ mod tests {
         for gap in Gap::ALL {
             assert_eq!(Gap::of_code(gap.code()), Some(gap));
         }
-        assert_eq!(Gap::ALL.map(Gap::code), [1, 2, 3, 4]);
-        assert_eq!((Gap::of_code(0), Gap::of_code(5)), (None, None));
+        assert_eq!(Gap::ALL.map(Gap::code), [1, 2, 3, 4, 5]);
+        assert_eq!((Gap::of_code(0), Gap::of_code(6)), (None, None));
     }
 
     fn room(scattering: f32) -> Scene {

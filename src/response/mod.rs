@@ -307,11 +307,18 @@ impl Response {
         self.paths.iter().map(HeardPath::tap).collect()
     }
 
-    /// Reasons for missing figures, by band.
+    /// Reasons for missing figures, by band. `pair` is the pair whose sound was traced.
     #[doc(hidden)]
-    pub fn gaps(&self) -> [Option<Gap>; BAND_COUNT] {
+    pub fn gaps(&self, pair: Pair) -> [Option<Gap>; BAND_COUNT] {
         let energy = self.energy();
-        std::array::from_fn(|band| Gap::of(&self.figures, band, energy[band] > 0.0))
+        let in_solid = notes::silence::end_in_solid(pair).map(|_| Gap::InSolid);
+        std::array::from_fn(|band| {
+            let gap = Gap::of(&self.figures, band, energy[band] > 0.0);
+            match gap {
+                Some(Gap::Silence) => in_solid.or(gap),
+                _ => gap,
+            }
+        })
     }
 
     /// The energy density of all arrivals, by band, in 1/m².

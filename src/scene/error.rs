@@ -324,6 +324,50 @@ pub enum Warning {
         /// Density in kg/m³.
         density: f64,
     },
+    /// All sources and listeners are in the solid of one surface, which is probably meant to be a room.
+    AllInSolid {
+        /// The surface.
+        surface: String,
+    },
+    /// A surface that lies wholly in the solid of another one, such as that around a room, and has no effect.
+    Buried {
+        /// The surface.
+        surface: String,
+        /// The other surface, or the solid around a room.
+        solid: String,
+    },
+    /// A surface a few centimetres or less above the floor of a room.
+    Hovering {
+        /// The surface.
+        surface: String,
+        /// The room.
+        room: String,
+        /// Height above the floor, in metres.
+        gap: f64,
+    },
+    /// A listener whose radius exceeds the shortest edge of a room.
+    LargeListener {
+        /// The listener's name in messages.
+        listener: String,
+        /// Radius of the listener, in metres.
+        radius: f32,
+        /// The shortest edge of the room, in metres.
+        edge: f64,
+    },
+    /// A source or a listener whose yaw is probably stated in radians.
+    YawInRadians {
+        /// Its name in messages.
+        of: String,
+        /// The first of its yaws that is not 0, in degrees as read.
+        yaw: f32,
+    },
+    /// A path so slow that its times are probably stated in milliseconds.
+    SlowPath {
+        /// The name of the source or the listener in messages.
+        of: String,
+        /// Duration of the path, in seconds.
+        seconds: f64,
+    },
     /// A mesh with a defect that changes what is heard.
     OddMesh {
         /// The surface.
@@ -349,6 +393,38 @@ fn to_millimetres(metres: f32) -> f64 {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Warning::AllInSolid { surface } => write!(
+                f,
+                "all sources and listeners are in {surface}: if it is meant to be a room, exchange its air and its solid (a field is positive in the air; Complement(of: …) exchanges both)"
+            ),
+            Warning::Buried { surface, solid } => write!(
+                f,
+                "{surface} lies wholly in {solid}, and has no effect: move it into the air"
+            ),
+            Warning::Hovering { surface, room, gap } => {
+                let gap = to_millimetres(*gap as f32);
+                write!(
+                    f,
+                    "{surface} is {gap} m above the floor of {room}: if it should stand there, move it down by {gap} m"
+                )
+            }
+            Warning::LargeListener {
+                listener,
+                radius,
+                edge,
+            } => write!(
+                f,
+                "the radius of {listener} is {radius} m, and the shortest edge of its room {edge} m: radii are in metres, and 0.3 is a good value for rooms"
+            ),
+            Warning::YawInRadians { of, yaw } => write!(
+                f,
+                "the yaw of {of} is {yaw}°: if it is in radians, state it in degrees ({})",
+                yaw.to_degrees().round()
+            ),
+            Warning::SlowPath { of, seconds } => write!(
+                f,
+                "the path of {of} takes {seconds} s, and is slower than 1 cm/s: if its times are in milliseconds, state them in seconds"
+            ),
             Warning::OddMesh { surface, why } => write!(f, "{surface}: {why}"),
             Warning::LargeRoom { surface, length } => write!(
                 f,

@@ -1,6 +1,5 @@
 //! Parses numbers in the forms that people type: `65536`, `65_536`, `1e6`.
 
-use std::fmt::Display;
 use std::str::FromStr;
 
 /// The largest whole number up to which all whole numbers are exact in `f64`.
@@ -31,9 +30,17 @@ fn of_power(text: &str) -> Result<u64, String> {
 }
 
 /// Parses a number that may have decimals.
-pub fn real<T: FromStr<Err: Display>>(said: &str) -> Result<T, String> {
+pub fn real<T: FromStr>(said: &str) -> Result<T, String> {
     let text = ungrouped(said)?;
-    text.parse().map_err(|error: T::Err| error.to_string())
+    let refused = |_| "it must be a number without a unit, such as 0.5".to_owned();
+    text.parse().map_err(refused)
+}
+
+/// Parses a level: `-6`, `-6dB` or `-6 dB`.
+pub fn decibels(said: &str) -> Result<f64, String> {
+    let lower = said.to_ascii_lowercase();
+    let number = lower.strip_suffix("db").map_or(&*lower, str::trim_end);
+    real(number).map_err(|_| "it must be a number of decibels, such as -6 or -6dB".to_owned())
 }
 
 /// Rounds to one decimal. Returns 0 instead of −0.
@@ -94,6 +101,21 @@ mod tests {
         assert_eq!(real("-1e-3"), Ok(-0.001f64));
         for said in ["", "1_.5", "_", "0x10"] {
             assert!(real::<f64>(said).is_err(), "{said:?}");
+        }
+        assert!(real::<f64>("2s").is_err_and(|why| why.contains("without a unit")));
+    }
+
+    /// Protects levels with their unit.
+    #[test]
+    fn levels_are_read_with_and_without_decibels() {
+        for said in ["-6", "-6dB", "-6 dB", "-6.0DB"] {
+            assert_eq!(decibels(said), Ok(-6.0), "{said}");
+        }
+        for said in ["", "dB", "-6m", "--full"] {
+            assert!(
+                decibels(said).is_err_and(|why| why.contains("-6dB")),
+                "{said:?}"
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Arguments that several subcommands share.
 
 use super::exit::BadInput;
-use super::numbers::{count, real};
+use super::numbers::{count, decibels, real};
 use super::print;
 use clap::Args;
 use echomarch::Error;
@@ -102,7 +102,7 @@ pub struct DiffractionOption {
 pub struct LeastLevelOption {
     /// Least level of a source, −100 to 0: everything heard from it is at least as loud in each band as its direct
     /// sound in the open, plus this level. A floor for games, not physics [default: none]
-    #[arg(long = "least-level", allow_negative_numbers = true, value_name = "DB", value_parser = real::<f64>)]
+    #[arg(long = "least-level", allow_hyphen_values = true, value_name = "DB", value_parser = decibels)]
     pub least_level_db: Option<f64>,
 }
 

@@ -6,7 +6,7 @@ use crate::worker::{self, Observer};
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::hrtf::HrirSet;
 use echomarch::response::{
-    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, Gap, ImpulseResponse, ImpulseSettings,
+    Accuracy, AmbisonicOrder, BandFigures, Figures, Format, ImpulseResponse, ImpulseSettings,
     ListenerAxes, Response, ResponseError, ResponseSettings, RoomMeasurement, Round,
 };
 use echomarch::scene::Pair;
@@ -46,6 +46,8 @@ pub struct Heard {
     surfaces: Vec<Vec<String>>,
     /// Why figures are missing or inexact, and whether each of the texts is a warning.
     notes: Vec<(String, bool)>,
+    /// Why figures of each band are missing.
+    gaps: Vec<Option<String>>,
 }
 
 /// A round of responses with a requested accuracy.
@@ -181,8 +183,12 @@ impl Heard {
         let (scene, source, listener) = (pair.scene(), pair.source(), pair.listener());
         let (source_index, listener_index) = pair.indices();
         let notes = response.notes(pair).into_iter();
+        let gaps = response.gaps(pair).into_iter();
         Heard {
             notes: notes.map(|n| (n.to_string(), n.is_warning)).collect(),
+            gaps: gaps
+                .map(|gap| gap.map(|gap| gap.words().to_owned()))
+                .collect(),
             surfaces: names(scene, &response),
             scene: scene.name.clone(),
             renderer: tracer.context().renderer().to_owned(),
@@ -438,8 +444,7 @@ impl Heard {
             or_nan(response.figures.begins_error_s),
         )?;
         about.set_item("cut_off", response.figures.cut_off.map(or_nan))?;
-        let gaps = response.gaps().map(|gap| gap.map(Gap::words));
-        about.set_item("gaps", gaps.to_vec())?;
+        about.set_item("gaps", &self.gaps)?;
         let notes: Vec<&str> = self.notes.iter().map(|(text, _)| text.as_str()).collect();
         about.set_item("notes", notes)?;
         about.set_item("missed_early_share", or_nan(response.missed.energy_share()))?;

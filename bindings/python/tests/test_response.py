@@ -159,7 +159,7 @@ def test_progress_reports_each_round(room, capsys):
 @pytest.mark.parametrize(
     "settings, sentence",
     [
-        ({"accuracy": 0.5}, "accuracy of figures must be 0.001 to 0.05"),
+        ({"accuracy": 0.5}, "accuracy of figures must be a share of 0.001 to 0.05"),
         ({"waves": 0}, "waves must be 1 to 16777216, not 0"),
         ({"waves": 100, "time_limit": 1}, "time_limit needs accuracy"),
         ({"seconds": 100}, "an impulse response of 100 s: it must be longer than 0 s and no longer than 60 s"),
@@ -221,6 +221,10 @@ def test_missing_figures_and_odd_places_are_reported():
     assert pickle.loads(pickle.dumps(short)).notes == short.notes
     with pytest.warns(UserWarning, match=r"0\.25 m inside .*room"):
         em.response(room, listener="ceiling", waves=64, seconds=0.2)
+    room.add_listener("garden", (7, 0, 0))
+    with pytest.warns(UserWarning, match="inside the solid around room"):
+        outside = em.response(room, listener="garden", waves=64, seconds=0.2)
+    assert outside.gaps == ["in a solid or outside the room"] * 8
     with pytest.warns(UserWarning, match=r"0\.25 m inside .*room"):
         em.responses([(room, "talker", "ceiling")], waves=64, seconds=0.2)
     with warnings.catch_warnings():

@@ -63,6 +63,8 @@ def test_unknown_materials_are_refused_at_once(room):
     before = room.to_ron()
     with pytest.raises(em.SceneError, match="there is no material \"carpett\".*carpet"):
         room.set_material("room", "carpett")
+    with pytest.raises(em.SceneError, match=r"did you mean wood-floor or wood-panel\?"):
+        room.set_material("room", "wood")
     with pytest.raises(em.SceneError, match="there is no material"):
         em.Scene.shoebox((8, 3, 5), {"floor": 'a "felt"'})
     with pytest.raises(em.SceneError, match="there is no material"):

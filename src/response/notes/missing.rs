@@ -4,16 +4,16 @@ use crate::bands::{BAND_COUNT, BANDS_HZ};
 use crate::response::diagnosis::Gap;
 use crate::response::figures::Withheld;
 use crate::response::{BandFigures, Figures, Response};
-use crate::scene::Scene;
+use crate::scene::{Pair, Scene};
 use crate::tracer::Settings;
 
 /// Returns a sentence for each reason why figures are missing, with the affected bands.
-pub(super) fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
+pub(super) fn reasons(pair: Pair, response: &Response) -> Vec<String> {
     if response.counts.arrivals == 0 && response.paths.is_empty() {
         // Another note already reports that no sound arrives.
         return Vec::new();
     }
-    let gaps = response.gaps();
+    let (scene, gaps) = (pair.scene(), response.gaps(pair));
     let told = |reason: Gap| {
         let of_reason = gaps.map(|gap| gap == Some(reason));
         of_reason
@@ -34,6 +34,9 @@ fn sentence(
     let times = missing_among(&TIMES, &response.figures.bands, of_reason);
     match reason {
         Gap::Silence => format!("nothing arrives {bands}"),
+        Gap::InSolid => {
+            format!("nothing arrives {bands}: the source or the listener is in a solid")
+        }
         Gap::TooShort if scene.has_materials() || scene.air.is_some() => format!(
             "sound continues after {seconds:.2} s {bands}, so figures are missing or inexact there: use a longer record (seconds)"
         ),
@@ -148,7 +151,7 @@ impl Figures {
 }
 
 /// Why figures do not have the requested accuracy.
-pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
+pub(super) fn of_accuracy(pair: Pair, response: &Response) -> Vec<String> {
     let (Some(accuracy), figures) = (response.accuracy, &response.figures) else {
         return Vec::new();
     };
@@ -170,7 +173,8 @@ pub(super) fn of_accuracy(response: &Response) -> Vec<String> {
     let limited = listed_where(|band, figure| figures.is_limited(accuracy, band, figure));
     if !limited.is_empty() {
         texts.push(format!(
-            "± is above the accuracy of {percent} %, because parts of the error are not noise, and more waves may not reduce them: {limited}"
+            "± is above the accuracy of {percent} %, because it is more than noise: exact paths lead to the listener's centre, waves to its sphere of {} m, late arrivals to a larger sphere; more waves may not reduce ±, a smaller listener may (docs/acoustics.md#notes): {limited}",
+            pair.listener().radius
         ));
     }
     texts
@@ -254,7 +258,7 @@ fn bands(of: [bool; BAND_COUNT]) -> String {
 }
 
 /// Formats a list as text: `a`, `a and b`, `a, b and c`.
-fn listed(words: &[impl AsRef<str>]) -> String {
+pub(super) fn listed(words: &[impl AsRef<str>]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     match words.split_last() {
         Some((last, [])) => (*last).to_owned(),

@@ -4,10 +4,12 @@
 
 mod flutter;
 mod missing;
-mod silence;
+pub(super) mod silence;
 
 use super::{HeardPath, Response};
-use crate::scene::{Pair, Surface};
+use crate::bands::BAND_COUNT;
+use crate::scene::Pair;
+use missing::listed;
 use std::fmt;
 
 /// One sentence about a response, from [`Response::notes`].
@@ -63,8 +65,8 @@ impl Response {
         let scene = pair.scene();
         let mut notes = self.lost_waves();
         notes.extend(self.inexact_paths(pair).into_iter().map(Note::new));
-        notes.extend(missing::reasons(scene, self).into_iter().map(Note::new));
-        notes.extend(missing::of_accuracy(self).into_iter().map(Note::new));
+        notes.extend(missing::reasons(pair, self).into_iter().map(Note::new));
+        notes.extend(missing::of_accuracy(pair, self).into_iter().map(Note::new));
         notes.extend(flutter::sentences(scene, self).into_iter().map(Note::new));
         notes
     }
@@ -117,19 +119,34 @@ impl Response {
                 pair.listener().radius
             ));
         }
-        let gathered = |heard: &HeardPath| heard.path.is_focus && !heard.is_direct();
-        if self.paths.iter().any(gathered) {
-            texts.push(
-                "sound is focused: after repeated focusing, rounding determines the paths, and ± of late decays does not include that error".to_owned(),
-            );
+        texts.extend(self.hidden_source(pair));
+        let gathered = |heard: &&HeardPath| heard.path.is_focus && !heard.is_direct();
+        if let Some(focused) = self.paths.iter().find(gathered) {
+            texts.push(format!(
+                "sound is focused (over {}): after repeated focusing, rounding determines the paths, and ± of late decays does not include that error; compare with a moved listener (docs/acoustics.md#notes)",
+                focused.path.surface_labels(pair.scene()).join(", ")
+            ));
         }
-        let gathers = |surface: &Surface| surface.shape.gathers_sound();
-        if pair.scene().surfaces.iter().any(gathers) {
-            texts.push(
-                "a concave surface focuses sound: if the energy of exact paths at the listener's centre differs from the energy that reaches its sphere, ± includes the difference; for reflections beyond the order of exact paths the difference is unknown, so compare with a larger order and a smaller listener".to_owned(),
-            );
+        let surfaces = pair.scene().surfaces.iter().enumerate();
+        let concave = surfaces.filter(|(_, surface)| surface.shape.gathers_sound());
+        let concave: Vec<String> = concave.map(|(index, of)| of.label(index)).collect();
+        if !concave.is_empty() {
+            texts.push(format!(
+                "curved surfaces that may be concave can focus sound ({}): if the energy of exact paths at the listener's centre differs from the energy that reaches its sphere, ± includes the difference; for reflections beyond the order of exact paths the difference is unknown, so compare with a larger order and a smaller listener (docs/acoustics.md#notes)",
+                listed(&concave)
+            ));
         }
         texts
+    }
+
+    /// The note on a source that is hidden from the listener, without diffraction.
+    fn hidden_source(&self, pair: Pair) -> Option<String> {
+        let is_silent = self.energy() == [0.0; BAND_COUNT];
+        let has_diffraction = self.diffraction_milliseconds > 0.0;
+        let is_hidden = self.direct().is_none() && silence::end_in_solid(pair).is_none();
+        (is_hidden && !is_silent && !has_diffraction).then(|| {
+            "the source is hidden from the listener: sound that bends around obstacles is missing, and C50, C80, D50, Ts, EDT and G may be wrong by more than ±; diffraction adds it (docs/acoustics.md#notes)".to_owned()
+        })
     }
 }
 
@@ -138,7 +155,10 @@ mod tests {
     use super::*;
     use crate::Scene;
     use crate::gl::{Context, ContextOptions};
+    use crate::glam::Vec3;
     use crate::response::ResponseSettings;
+    use crate::scene::shape::{Cuboid, Room};
+    use crate::scene::{Listener, Source, Surface};
     use crate::tracer::{Settings, Tracer};
 
     /// Protects readers of the notes: only lost waves that change figures are a warning, and no text names an option of
@@ -164,9 +184,39 @@ mod tests {
         response.paths[1].path.is_focus = true;
         let notes = response.notes(pair);
         assert!(notes.len() >= 6, "{notes:?}");
+        let names = |note: &Note| note.to_string().contains("sound is focused (over room/");
+        assert!(notes.iter().any(names), "{notes:?}");
         for note in notes {
             let text = note.to_string();
             assert!(!text.is_empty() && !text.contains("--"), "{text}");
         }
+    }
+
+    /// Protects early figures of a hidden source: a note names diffraction where it is off, and only there.
+    #[test]
+    fn a_hidden_source_is_told_without_diffraction() {
+        let context = Context::headless(&ContextOptions::default()).expect("OpenGL");
+        let mut tracer = Tracer::new(&context).expect("a tracer");
+        let mut told = |listener: Vec3, diffraction: bool| {
+            let room = Surface::new(Room {
+                size: Vec3::new(8.0, 3.0, 5.0),
+            });
+            let screen = Surface::new(Cuboid {
+                size: Vec3::new(0.1, 3.0, 2.0),
+            });
+            let surfaces = vec![room, screen];
+            let ends = (Source::at(-2.0 * Vec3::X), Listener::at(listener, 0.3));
+            let scene = Scene::new("screen", surfaces, ends.0, ends.1);
+            let settings = ResponseSettings::default().with_seconds(0.1);
+            let settings = settings.with_trace(Settings::default().with_waves(256));
+            let settings = settings.with_diffraction(diffraction);
+            let response = Response::trace(&mut tracer, &scene, &settings).expect("a response");
+            let notes = response.notes(scene.only_pair().expect("one pair"));
+            let is_hidden = |note: &Note| note.to_string().contains("; diffraction adds it");
+            notes.iter().any(is_hidden)
+        };
+        assert!(told(2.0 * Vec3::X, false));
+        assert!(!told(2.0 * Vec3::X, true));
+        assert!(!told(2.0 * Vec3::Z - 2.0 * Vec3::X, false));
     }
 }

@@ -6,11 +6,8 @@ use crate::scene::Pair;
 pub(super) fn reason(pair: Pair, seconds: f64) -> String {
     let scene = pair.scene();
     let (source, listener) = (pair.source(), pair.listener());
-    if scene.surface_distance(source.position).distance < 0.0 {
-        return "nothing arrives: the source is inside a solid".to_owned();
-    }
-    if scene.surface_distance(listener.position).distance < -listener.radius {
-        return "nothing arrives: the listener is inside a solid".to_owned();
+    if let Some(end) = end_in_solid(pair) {
+        return format!("nothing arrives: {end} is inside a solid");
     }
     let length = f64::from(source.position.distance(listener.position) - listener.radius);
     let first_s = length / scene.speed_of_sound();
@@ -21,6 +18,16 @@ pub(super) fn reason(pair: Pair, seconds: f64) -> String {
     }
     "nothing arrives: look for a wall or a closed door between source and listener; sound passes a solid only if its material transmits sound (density or reduction, docs/scene-format.md), and bends around obstacles only with diffraction"
         .to_owned()
+}
+
+/// The end of a pair whose centre lies in a solid, such as that around a room.
+pub(in crate::response) fn end_in_solid(pair: Pair) -> Option<&'static str> {
+    let ends = [
+        ("the source", pair.source().position),
+        ("the listener", pair.listener().position),
+    ];
+    let mut ends = ends.into_iter();
+    ends.find_map(|(end, place)| pair.scene().solid_at(place).map(|_| end))
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! Checks of a scene: errors if it cannot be traced, warnings if it is unusual.
 
+mod placement;
 #[cfg(test)]
 mod tests;
+mod units;
 mod warnings;
 
 use super::air::{HUMIDITIES, PRESSURES, TEMPERATURES};

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::shape::{AirBox, Cuboid, Grid, Plane, Room, Rooms, Shape, Sphere};
-use crate::scene::{Air, Node, SampledField, Warning};
+use crate::scene::{Air, Key, Node, SampledField, Warning};
 use glam::UVec3;
 use std::sync::Arc;
 
@@ -369,4 +369,150 @@ fn a_grid_without_a_surface_is_warned_of() {
         assert_eq!(is_told.count(), 1, "{warnings:?}");
     }
     assert!(warned([[1.0; 4], [-1.0; 4]].concat()).is_empty());
+}
+
+/// The warnings about a room of 10 m with this further surface.
+fn told_of(more: Surface) -> Vec<String> {
+    let mut scene = room();
+    scene.surfaces.push(more);
+    let warnings = scene.warnings();
+    warnings.iter().map(ToString::to_string).collect()
+}
+
+fn cuboid(size: impl Into<Vec3>, position: impl Into<Vec3>) -> Surface {
+    let (size, position) = (size.into(), position.into());
+    Surface::new(Cuboid { size }).at(position)
+}
+
+/// Protects users from furniture that was placed outside the room. What reaches into the air, or moves, is not reported.
+#[test]
+fn surfaces_outside_the_room_are_warned_of() {
+    let told = |x: f32| told_of(cuboid([1.0, 2.0, 1.0], [x, 0.0, -4.0]));
+    assert_eq!(
+        told(8.0),
+        [
+            "surface 2 (Box) lies wholly in the solid around surface 1 (Room), and has no effect: move it into the air"
+        ]
+    );
+    assert_eq!(
+        (told(5.7).len(), told(5.4).len(), told(-1.0).len()),
+        (1, 0, 0)
+    );
+    let mut door = cuboid([1.0, 2.0, 1.0], [8.0, 0.0, -4.0]);
+    door.drivers.push(crate::scene::Driver {
+        parameter: "position.x".to_owned(),
+        motion: Motion::Keys(vec![(0.0, 8.0), (1.0, 4.0)]),
+    });
+    assert!(told_of(door).is_empty());
+    let mut scene = room();
+    scene.surfaces = vec![Surface::new(Plane), cuboid([1.0; 3], [0.0, -3.0, 0.0])];
+    assert!(
+        scene.warnings()[0]
+            .to_string()
+            .contains("lies wholly in surface 1 (Plane)")
+    );
+}
+
+/// Protects users from furniture that was placed a little above the floor. Doors, what stands on something, and feet of a
+/// usual height are not reported.
+#[test]
+fn hovering_furniture_is_warned_of() {
+    let told = |gap: f32| told_of(cuboid([1.0; 3], [3.0, gap - 4.5, -3.0]));
+    assert_eq!(
+        told(0.02),
+        [
+            "surface 2 (Box) is 0.02 m above the floor of surface 1 (Room): if it should stand there, move it down by 0.02 m"
+        ]
+    );
+    assert!(
+        [0.0, -0.01, 0.0005, 0.05]
+            .into_iter()
+            .all(|gap| told(gap).is_empty())
+    );
+    assert!(told_of(cuboid([0.9, 2.0, 0.04], [3.0, -3.98, -3.0])).is_empty());
+    let mut scene = room();
+    scene
+        .surfaces
+        .push(cuboid([2.0, 0.02, 2.0], [3.0, -4.99, -3.0]));
+    scene.surfaces.push(cuboid([1.0; 3], [3.0, -4.48, -3.0]));
+    assert_eq!(scene.warnings(), vec![]);
+}
+
+/// Protects users from a room whose air and solid are exchanged, such as a field with a reversed sign.
+#[test]
+fn a_room_that_is_solid_is_warned_of() {
+    let mut scene = room();
+    scene.surfaces = vec![cuboid([10.0; 3], Vec3::ZERO)];
+    let is_reversed = |scene: &Scene| {
+        let warnings = scene.warnings();
+        warnings.contains(&Warning::AllInSolid {
+            surface: "surface 1 (Box)".to_owned(),
+        })
+    };
+    assert!(is_reversed(&scene));
+    scene.listeners[0].position.x = 6.0;
+    assert!(!is_reversed(&scene));
+    let mut outside = room();
+    (
+        outside.sources[0].position.x,
+        outside.listeners[0].position.x,
+    ) = (7.0, 8.0);
+    assert!(
+        outside
+            .warnings()
+            .iter()
+            .all(|warning| !matches!(warning, Warning::AllInSolid { .. }))
+    );
+}
+
+/// Protects angles in degrees from radians, times in seconds from milliseconds, and radii in metres from centimetres.
+#[test]
+fn odd_units_of_places_are_warned_of() {
+    let told = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = room();
+        change(&mut scene);
+        let warnings = scene.warnings();
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    for (yaw, degrees) in [
+        ("1.5708", "90"),
+        ("-3.14", "-180"),
+        ("0.785", "45"),
+        ("6.283", "360"),
+    ] {
+        let stated: f32 = yaw.parse().expect("a number");
+        assert_eq!(
+            told(&|scene| scene.listeners[0].yaw = stated.to_radians()),
+            [format!(
+                "the yaw of the listener is {yaw}°: if it is in radians, state it in degrees ({degrees})"
+            )]
+        );
+    }
+    for yaw in [0.0f32, 1.5, 1.6, 5.5, 3.0, 45.0, 90.0, 0.7, 7.069] {
+        let told = told(&|scene| scene.sources[0].yaw = yaw.to_radians());
+        assert!(told.is_empty(), "{told:?}");
+    }
+    let path = |times: [f64; 2], yaws: [f32; 2]| {
+        let key = |at: usize| Key {
+            time: times[at],
+            position: Vec3::new(3.0, 0.0, at as f32),
+            yaw: yaws[at].to_radians(),
+            pitch: 0.0,
+        };
+        Path::new(vec![key(0), key(1)]).expect("times that increase")
+    };
+    let walked = |times, yaws| told(&|scene| scene.sources[0].path = path(times, yaws));
+    assert_eq!(
+        walked([0.0, 4000.0], [0.0; 2]),
+        [
+            "the path of the source takes 4000 s, and is slower than 1 cm/s: if its times are in milliseconds, state them in seconds"
+        ]
+    );
+    assert!(walked([0.0, 90.0], [0.0, 90.0]).is_empty());
+    assert_eq!(walked([0.0, 4.0], [0.0, 1.571]).len(), 1);
+    assert!(walked([0.0, 4.0], [20.0, 1.571]).is_empty());
+    let told =
+        told(&|scene| (scene.listeners[0].radius, scene.sources[0].position.x) = (30.0, 4.0));
+    let expected = "the radius of the listener is 30 m, and the shortest edge of its room 10 m: radii are in metres, and 0.3 is a good value for rooms";
+    assert!(told.contains(&expected.to_owned()), "{told:?}");
 }

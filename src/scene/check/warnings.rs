@@ -1,17 +1,8 @@
 //! Warnings about scenes that can be traced but are unusual.
 
-use crate::scene::mesh::LARGEST_USUAL_M;
 use crate::scene::shape::Asset;
-use crate::scene::{Node, ROUNDING, Scene, Surface, Transmission, Warning};
-use glam::{DVec3, Vec3};
-
-/// Shortest edge in metres of the box around the air of a room above which the unit is probably not the metre. Hardly any
-/// hall is as high; a room of 2.5 m in centimetres has 250.
-const LONGEST_USUAL_SHORT_EDGE_M: f64 = 200.0;
-
-/// Density in kg/m³ below which the unit is probably not kg/m³. Nearly all foams are heavier; concrete has 2.4 in g/cm³,
-/// and steel 7.8.
-const LEAST_USUAL_DENSITY: f64 = 8.0;
+use crate::scene::{ROUNDING, Scene, Warning};
+use glam::Vec3;
 
 impl Scene {
     /// Returns warnings about the scene in its current state. Scenes with warnings can still be traced.
@@ -22,7 +13,8 @@ impl Scene {
         warnings.extend(self.without_material());
         warnings.extend(self.one_sided_fields());
         warnings.extend(self.odd_meshes());
-        warnings.extend(self.large_rooms());
+        warnings.extend(self.buried());
+        warnings.extend(self.hovering());
         warnings.extend(self.odd_units());
         warnings
     }
@@ -31,6 +23,7 @@ impl Scene {
     #[doc(hidden)]
     pub fn warnings_of_places(&self) -> Vec<Warning> {
         let mut warnings = self.odd_sources();
+        warnings.extend(self.all_in_one_solid());
         for (index, listener) in self.listeners.iter().enumerate() {
             if let Some((surface, depth)) = self.solid_at(listener.position) {
                 let listener = self.listener_label(index);
@@ -39,43 +32,6 @@ impl Scene {
                     surface,
                     depth,
                 });
-            }
-        }
-        warnings
-    }
-
-    /// Warns about rooms that are so large that their unit is probably not the metre. Meshes have their own warning.
-    fn large_rooms(&self) -> Vec<Warning> {
-        let mut warnings = Vec::new();
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            let size = surface.room_size();
-            let is_large = |size: &DVec3| {
-                size.max_element() > LARGEST_USUAL_M
-                    || size.min_element() > LONGEST_USUAL_SHORT_EDGE_M
-            };
-            warnings.extend(size.filter(is_large).map(|size| Warning::LargeRoom {
-                surface: surface.label(index),
-                length: size.max_element(),
-            }));
-        }
-        warnings
-    }
-
-    /// Warns about a humidity that is probably a share, and about densities that are probably in g/cm³.
-    fn odd_units(&self) -> Vec<Warning> {
-        let mut warnings = Vec::new();
-        let humidity = self.air.map(|air| air.humidity);
-        let share = humidity.filter(|humidity| *humidity > 0.0 && *humidity <= 1.0);
-        warnings.extend(share.map(|share| Warning::DryAir { humidity: share }));
-        for (material, stated) in &self.materials {
-            match stated.transmission {
-                Some(Transmission::Mass { density, .. }) if density < LEAST_USUAL_DENSITY => {
-                    warnings.push(Warning::LightSolid {
-                        material: material.clone(),
-                        density,
-                    });
-                }
-                _ => (),
             }
         }
         warnings
@@ -200,39 +156,31 @@ impl Scene {
         warnings
     }
 
-    fn solid_at(&self, point: Vec3) -> Option<(String, f32)> {
+    /// The solid in which a point lies, and its depth in metres. The space outside a room is a solid.
+    pub(crate) fn solid_at(&self, point: Vec3) -> Option<(String, f32)> {
+        let (index, depth) = self.surface_around(point)?;
+        Some((self.solid_label(index), depth))
+    }
+
+    /// The index of the surface in whose solid a point lies, and its depth in metres.
+    pub(super) fn surface_around(&self, point: Vec3) -> Option<(usize, f32)> {
         let nearest = self.surface_distance(point);
         if nearest.distance >= 0.0 || nearest.object == 0 {
             return None;
         }
         let index = nearest.object as usize - 1;
-        let surface = &self.surfaces[index];
-        let largest = point.abs().max(surface.position.abs()).max_element();
-        if nearest.distance >= -ROUNDING * largest {
-            // Rounding error: a wave from this point starts on the surface.
-            return None;
-        }
-        let label = surface.label(index);
-        let solid = match surface.shape.node {
-            Node::Room(_) => format!("the solid around {label}"),
-            _ => label,
-        };
-        Some((solid, -nearest.distance))
+        let largest = point.abs().max(self.surfaces[index].position.abs());
+        // Rounding error: a wave from this point starts on the surface.
+        let is_on_surface = nearest.distance >= -ROUNDING * largest.max_element();
+        (!is_on_surface).then_some((index, -nearest.distance))
     }
-}
 
-impl Surface {
-    /// The edges in metres of the box around the air of a room; `None` for another shape.
-    fn room_size(&self) -> Option<DVec3> {
-        let shape = &self.shape;
-        match (&shape.node, &shape.children[..]) {
-            (Node::Room(room), _) => Some(room.size.as_dvec3()),
-            (Node::Rooms(rooms), _) => Some(rooms.mesh().report().size_m),
-            (Node::Complement(_), [air]) => {
-                let bounds = air.properties().bounds;
-                bounds.is_finite().then(|| 2.0 * bounds.half_size())
-            }
-            _ => None,
+    /// The name of a surface's solid in messages.
+    pub(super) fn solid_label(&self, index: usize) -> String {
+        let label = self.surfaces[index].label(index);
+        match self.surfaces[index].takes_walls() {
+            true => format!("the solid around {label}"),
+            false => label,
         }
     }
 }

@@ -9,7 +9,7 @@ use echomarch::tracer::Settings;
 /// Options of the effort for a response.
 #[derive(Args, Debug)]
 pub struct AccuracyOptions {
-    /// Standard error of EDT, T20 and T30: 0.1 % to 5 %. C50, C80 and G have a tenth of a decibel for each per cent.
+    /// Standard error of EDT, T20 and T30, with its sign: 0.1% to 5%. C50, C80 and G have a tenth of a decibel for each per cent.
     /// The number of waves grows until all figures have this error [default: 2%, unless --waves is given]
     #[arg(long, allow_negative_numbers = true, value_name = "PERCENT", value_parser = percent)]
     accuracy: Option<f64>,
@@ -23,16 +23,16 @@ pub struct AccuracyOptions {
     time_limit: Option<f64>,
 }
 
-/// Parses a share in per cent: `2%`, `2 %` or `0.02`.
+/// Parses a share in per cent: `2%` or `2 %`. A number without the sign could be a share or per cent.
 pub fn percent(said: &str) -> Result<f64, String> {
     match said.strip_suffix('%') {
         Some(number) => real::<f64>(number.trim_end()).map(|percent| percent / 100.0),
         None => {
-            let share = real::<f64>(said)?;
-            match share >= 0.1 {
-                true => Err(format!("write {said}% for {said} per cent")),
-                false => Ok(share),
-            }
+            let number = real::<f64>(said)?;
+            let of_share = (1e6 * number).round() / 1e4;
+            Err(format!(
+                "write {of_share}% for a share of {said}, {said}% for {said} per cent"
+            ))
         }
     }
 }
@@ -85,13 +85,15 @@ pub fn of_round(settings: &ResponseSettings, round: &Round) -> String {
 mod tests {
     use super::*;
 
-    /// Protects the notation of accuracies: per cent, or a share. A number that could be either is refused.
+    /// Protects the notation of accuracies: a number without a sign of per cent, which could be a share, is refused.
     #[test]
-    fn accuracies_are_per_cent_or_shares() {
+    fn accuracies_are_per_cent() {
         assert_eq!(percent("2%"), Ok(0.02));
         assert_eq!(percent("0.5 %"), Ok(0.005));
-        assert_eq!(percent("0.02"), Ok(0.02));
-        assert!(percent("2").is_err_and(|message| message.contains("2%")));
+        let refused = percent("0.05");
+        let expected = "write 5% for a share of 0.05, 0.05% for 0.05 per cent";
+        assert_eq!(refused, Err(expected.to_owned()));
+        assert!(percent("2").is_err_and(|message| message.ends_with("2% for 2 per cent")));
         assert!(percent("two%").is_err());
     }
 }

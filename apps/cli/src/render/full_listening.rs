@@ -2,7 +2,7 @@
 
 use super::super::impulse::pairs;
 use super::super::impulse::percent;
-use super::super::numbers::{count, real, tenths};
+use super::super::numbers::{count, decibels, real, tenths};
 use super::super::options::{DiffractionOption, LeastLevelOption, check_range};
 use super::super::print;
 use super::{Job, Parts, ReportHead, sounds};
@@ -31,7 +31,7 @@ const SHORTEST_TAIL_S: f64 = 1e-3;
 #[command(next_help_heading = "With --listen full")]
 pub struct FullOptions {
     /// Gain of all sources in decibels. At 0 dB, a source at 1 m in the open is as loud as its sound
-    #[arg(long, allow_negative_numbers = true, value_name = "DB", value_parser = real::<f64>)]
+    #[arg(long, allow_hyphen_values = true, value_name = "DB", value_parser = decibels)]
     gain: Option<f64>,
     /// The listener, by name or number [default: the first]
     #[arg(long, value_name = "NAME")]
@@ -43,7 +43,7 @@ pub struct FullOptions {
     /// dB, at most 3]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     tail: Option<f64>,
-    /// Standard error of the figures of each response, 0.1 % to 5 %, as in impulse. The number of waves grows until all
+    /// Standard error of the figures of each response, with its sign: 0.1% to 5%, as in impulse. The number of waves grows until all
     /// figures have this error; --waves limits it [default: a fixed number of waves]
     #[arg(long, allow_negative_numbers = true, value_name = "PERCENT", value_parser = percent)]
     accuracy: Option<f64>,

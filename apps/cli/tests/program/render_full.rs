@@ -226,7 +226,7 @@ fn distance_makes_soft_and_late() {
     // The delay is 279.9 samples. The interpolating sinc function starts 8 samples earlier.
     let silent = left.iter().position(|sample| sample.abs() > 0.02).unwrap();
     assert!((278..=282).contains(&silent), "{silent}");
-    let (louder, wav) = render("c.wav", &["--gain", "6"]);
+    let (louder, wav) = render("c.wav", &["--gain", "6dB"]);
     assert!((rms(&read_stereo(&wav)[0]) / rms(&left) - 1.9953).abs() < 1e-3);
     assert_eq!(louder["gain_db"], 6.0);
 }
@@ -290,7 +290,7 @@ fn what_makes_no_sense_is_refused() {
         (&["--listener", "nobody"], "no listener \"nobody\""),
         (&["--sound", "drum=noise"], "it has: 1"),
         (&["--tail", "99"], "--tail must be 0.001 to 60"),
-        (&["--gain", "500"], "--gain must be"),
+        (&["--gain", "-500dB"], "--gain must be"),
         (&["--iterations", "9", "--order", "2"], "--listen full"),
     ] {
         refuse(&[&base, more].concat(), says);

@@ -392,6 +392,51 @@ fn results_stay_in_their_folder() {
     assert!(!folder.path().join("absent").exists());
 }
 
+/// Protects studies from places that were meant to be in the room: silence inside a solid and outside the room has a
+/// reason of its own, in the table, in study.json and in the printed notes.
+#[test]
+fn places_in_solids_are_told_apart_from_silence() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"Study(
+        scenes: [Scene(of: "hall.ron")],
+        listeners: List([(0, 0, 0), (0, 0, 5), (40, 0, 5)]),
+        listener_radius: 0.3,
+        settings: All(waves: [16384]),
+        keep: Keep(pan: false, counts: false, response: Response(figures: [g], bands_hz: [1000])),
+    )"#;
+    let file = study(folder.path(), text);
+    let out = folder.path().join("out");
+    let printed = succeed(&["study", &file, "-o", argument(&out)]);
+    let note = "note: g_db_1000: 2 of 3 cells are empty: in a solid or outside the room 2";
+    assert!(stderr(&printed).contains(note), "{}", stderr(&printed));
+    let csv = std::fs::read_to_string(out.join("study.csv")).unwrap();
+    let gaps = csv
+        .lines()
+        .skip(1)
+        .map(|row| row.rsplit(',').next().unwrap());
+    assert_eq!(gaps.collect::<Vec<_>>(), ["5", "0", "5"]);
+}
+
+/// Protects the accuracy of a study: every figure has the requested error, as with `impulse --accuracy`.
+#[test]
+fn a_study_has_the_accuracy_that_it_asks_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"Study(
+        scenes: [Scene(of: "hall.ron")],
+        settings: All(waves: [64]),
+        keep: Keep(pan: false, counts: false, response: Response(
+            figures: [t30], bands_hz: [1000], errors: true, accuracy: 0.05,
+        )),
+    )"#;
+    let file = study(folder.path(), text);
+    let out = folder.path().join("out");
+    succeed(&["study", &file, "-o", argument(&out)]);
+    let csv = std::fs::read_to_string(out.join("study.csv")).unwrap();
+    let row: Vec<&str> = csv.lines().nth(1).unwrap().rsplit(',').collect();
+    let [error_s, t30_s] = [row[1], row[2]].map(|cell| cell.parse::<f64>().expect(&csv));
+    assert!(error_s <= 0.05 * t30_s, "{csv}");
+}
+
 /// Protects maps: the program draws a picture of a column over a grid of listeners, and reports an error without a
 /// grid.
 #[test]

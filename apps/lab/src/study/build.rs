@@ -7,7 +7,7 @@ use super::{Case, Kept, SceneAxis, Study, StudyError, hash};
 use crate::experiment::accuracy;
 use crate::of_first_pair;
 use crate::text::in_a_line;
-use echomarch::response::ResponseSettings;
+use echomarch::response::{Accuracy, ResponseSettings};
 use echomarch::scene::{Scene, SceneError};
 use echomarch::tracer::{Settings, TraceError};
 use std::path::Path;
@@ -161,6 +161,7 @@ fn kept(said: &Keep) -> Kept {
         settings.seconds = said.seconds;
         settings.order = said.order;
         settings.diffraction = said.diffraction;
+        settings.accuracy = said.accuracy.map(Accuracy::new);
         (settings, ResponseColumns::of(said))
     };
     Kept {

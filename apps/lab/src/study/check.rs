@@ -5,10 +5,11 @@ use super::file::{
     FigureName, Keep, Numbers, Places, ResponseFile, Seeds, SettingsFile, StudyFile,
 };
 use crate::text::check_name;
+use echomarch::Error;
 use echomarch::bands::BANDS_HZ;
-use echomarch::response::ImpulseSettings;
 use echomarch::response::ResponseSettings;
-use echomarch::tracer::Settings;
+use echomarch::response::{Accuracy, ImpulseSettings};
+use echomarch::tracer::{Settings, TraceError};
 use std::fmt::Display;
 
 /// Maximum number of points in a study. 10⁹ points take years on one core, and point numbers up to this maximum are
@@ -224,15 +225,27 @@ impl Checker<'_> {
         if !traces_frames && keep.response.is_none() {
             return self.bad("keep", "something", "nothing");
         }
-        if let SettingsFile::All { iterations, .. } = settings {
-            let place = "settings.iterations";
-            let must = "one number where only responses are kept: they use as many as they need";
-            self.must(
-                traces_frames || iterations.len() == 1,
-                place,
-                must,
-                iterations.len(),
-            )?;
+        let is_accurate = |response: &ResponseFile| response.accuracy.is_some();
+        let finds_waves = keep.response.as_ref().is_some_and(is_accurate);
+        if let SettingsFile::All {
+            iterations, waves, ..
+        } = settings
+        {
+            for (place, list, is_found) in [
+                ("settings.iterations", iterations, true),
+                ("settings.waves", waves, finds_waves),
+            ] {
+                let is_right = traces_frames || !is_found || list.len() == 1;
+                let must = match finds_waves {
+                    true => {
+                        "one number where only responses with an accuracy are kept: they use as many as they need"
+                    }
+                    false => {
+                        "one number where only responses are kept: they use as many as they need"
+                    }
+                };
+                self.must(is_right, place, must, list.len())?;
+            }
         }
         match &keep.response {
             None => Ok(()),
@@ -272,6 +285,12 @@ impl Checker<'_> {
         if let Some(order) = response.order {
             let most = f64::from(ResponseSettings::MAX_ORDER);
             self.within("keep.response.order", f64::from(order), 0.0, most)?;
+        }
+        if let Some(share) = response.accuracy
+            && let Err(Error::Trace(TraceError::BadSetting { must, value, .. })) =
+                Accuracy::new(share).validate()
+        {
+            return self.bad("keep.response.accuracy", must, value);
         }
         if let Some(bin) = response.echogram_ms {
             let most = f64::from(LONGEST_BIN_MS);

@@ -5,6 +5,7 @@ use super::{Kept, Study};
 use crate::report::Cell;
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{BandFigures, Gap, Response};
+use echomarch::scene::Pair;
 
 /// Maximum of all times in the results, in seconds. A response has at most 60 s, and a decay time is three times the
 /// evaluated part of the decay.
@@ -147,8 +148,8 @@ impl ResponseColumns {
         columns
     }
 
-    /// The cells of these columns for one response.
-    pub fn cells(&self, response: &Response) -> Vec<Cell> {
+    /// The cells of these columns for the response of a pair.
+    pub fn cells(&self, response: &Response, pair: Pair) -> Vec<Cell> {
         let mut cells = Vec::new();
         for (figure, band) in self.pairs() {
             let finite = |number: Option<f64>| number.filter(|number| number.is_finite());
@@ -158,7 +159,7 @@ impl ResponseColumns {
             }
         }
         if !self.figures.is_empty() {
-            let gaps = response.gaps();
+            let gaps = response.gaps(pair);
             let has_gap = |band: usize| {
                 let figures = self.figures.iter();
                 figures

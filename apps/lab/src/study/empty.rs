@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 pub struct EmptyCells {
     /// Name of the column.
     pub column: String,
-    /// The reason: `nothing arrives`, `record too short`, `no late sound`, `too noisy`, or `not defined`.
+    /// The reason: `nothing arrives`, `in a solid or outside the room`, `record too short`, `no late sound`, `too
+    /// noisy`, or `not defined`.
     pub why: &'static str,
     /// Number of empty cells.
     pub cells: u64,

@@ -18,6 +18,9 @@ use std::path::{Path, PathBuf};
 /// Maximum size of a study file, in bytes. A list of 20,000 positions takes 1 MiB.
 const LARGEST_FILE: u64 = 4 << 20;
 
+/// Name of the field of `Response` that users look for in other parts.
+const ACCURACY: &str = "accuracy";
+
 /// Maximum nesting depth of the text. A study has a depth of five.
 const DEEPEST: usize = 32;
 
@@ -214,6 +217,10 @@ pub(super) struct ResponseFile {
     /// the hashes of studies without diffraction stay the same.
     #[serde(default, skip_serializing_if = "is_off")]
     pub diffraction: bool,
+    /// Standard error of decay times as a share of the time: the number of waves grows until all figures have it. `None`
+    /// to trace the waves of the settings; it is then not serialised, so that hashes stay the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<f64>,
     /// Length of the echogram bins in milliseconds; `None` to keep no echogram.
     #[serde(default)]
     pub echogram_ms: Option<u32>,
@@ -355,7 +362,11 @@ impl StudyFile {
         // Some editors write a byte-order mark before the text.
         let text = text.trim_start_matches('\u{feff}');
         options.from_str(text).map_err(|error| {
-            let message = in_a_line(&sentence(text, &error, STUDY)).into_owned();
+            let mut message = in_a_line(&sentence(text, &error, STUDY)).into_owned();
+            if matches!(&error.code, ron::Error::NoSuchStructField { found, .. } if found == ACCURACY)
+            {
+                message += "; the accuracy of responses is in keep: Keep(response: Response(accuracy: 0.02))";
+            }
             let place = error.span.start;
             StudyError::Malformed(MalformedText::new(origin, (place.line, place.col), message))
         })

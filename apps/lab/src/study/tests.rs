@@ -135,6 +135,18 @@ const WRONG: &[(&str, &str)] = &[
         "keep must be something",
     ),
     (
+        "keep: Keep(response: Response(accuracy: 2))",
+        "keep.response.accuracy must be a share of 0.001 to 0.05 (0.1 % to 5 %), not 2",
+    ),
+    (
+        "settings: All(waves: [512, 1024]), keep: Keep(pan: false, counts: false, response: Response(accuracy: 0.05))",
+        "settings.waves must be one number where only responses with an accuracy are kept",
+    ),
+    (
+        "settings: All(accuracy: 0.05)",
+        "; the accuracy of responses is in keep: Keep(response: Response(accuracy: 0.02))",
+    ),
+    (
         "keep: Keep(response: Response(bands_hz: [440]))",
         "keep.response.bands_hz[1]",
     ),

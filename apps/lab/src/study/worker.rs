@@ -148,7 +148,10 @@ impl<'a> Worker<'a> {
         let pairs = (0..group.len()).map(|listener| scene.pair(0, listener));
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
         let responses = Response::trace_pairs(&mut self.tracer, &pairs, &how)?;
-        Ok(responses.iter().map(|one| columns.cells(one)).collect())
+        let responses = responses.iter().zip(pairs);
+        Ok(responses
+            .map(|(one, pair)| columns.cells(one, pair))
+            .collect())
     }
 }
 

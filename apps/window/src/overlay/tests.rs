@@ -44,12 +44,12 @@ const BUSY: Moment = Moment {
 };
 
 /// A path of each kind.
-fn drawn_paths() -> Arc<[DrawnPath]> {
+fn drawn_paths() -> Vec<DrawnPath> {
     let path = |kind| DrawnPath {
         kind,
         points: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
     };
-    PathKind::ALL.map(path).into()
+    PathKind::ALL.map(path).to_vec()
 }
 
 /// Returns the positions of all areas after several frames with these values, in a window of this size.
@@ -94,7 +94,7 @@ fn laid_out(
         Some(_) => EarsStatus {
             sources: vec![HeardSource::default(); 3],
             curve: vec![-20.0; 120],
-            paths: drawn_paths(),
+            paths: Arc::new(drawn_paths()),
             ..EarsStatus::default()
         },
     };

@@ -94,8 +94,8 @@ def response(
     source, listener : str or int, optional
         Name or number (from 1) of the source and of the listener; not needed if there is only one.
     accuracy : float, optional
-        Standard error of EDT, T20 and T30 as a share of the time, 0.001 to 0.05. C50, C80 and G have a tenth of a
-        decibel for each per cent. The number of waves grows until all figures have this error. The default is 0.02
+        Standard error of EDT, T20 and T30 as a share of the time, 0.001 to 0.05: 0.02 is 2 %. C50, C80 and G have a
+        tenth of a decibel for each per cent. The number of waves grows until all figures have this error. The default is 0.02
         unless `waves` is given.
     waves : int, optional
         Number of waves; with `accuracy` the maximum number.
@@ -222,7 +222,8 @@ class Response:
         Time of the computation in ms; that of all listeners of the source if they were traced together.
     gaps : list of str or None
         Why figures of a band are missing, for all eight bands; None if all decay times are there: ``"nothing arrives"``,
-        ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"`` (more `waves`).
+        ``"in a solid or outside the room"``, ``"record too short"`` (set `seconds`), ``"no late sound"``, ``"too noisy"``
+        (more `waves`).
     notes : list of str
         Why figures are missing or inexact, and what to do about it; the sentences of the program. Empty if nothing is to
         be said. ``Scene.warnings`` has those about the scene itself.

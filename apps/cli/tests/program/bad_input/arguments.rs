@@ -87,11 +87,12 @@ fn unknown_words_are_refused_with_those_there_are() {
     let folder = folder();
     let corner = ["trace", "corner"];
     let render = ["render", "corner", "-o", "x.wav"];
-    let cases: [(&[&str], &str, &str, &str); 5] = [
+    let cases: [(&[&str], &str, &str, &str); 6] = [
         (&corner, "--profile", "fast", "thesis"),
         (&corner, "--gl", "vulkan", "gl, gles or osmesa"),
         (&render, "--sound", "drum", "sine:HERTZ"),
         (&render, "--law", "loud", "constant-power"),
+        (&render, "--gain", "-6m", "such as -6 or -6dB"),
         (&corner, "--waves", "-5", "-5"),
     ];
     for (command, option, value, says) in cases {
