@@ -143,10 +143,6 @@ const WRONG: &[(&str, &str)] = &[
         "settings.waves must be one number where only responses with an accuracy are kept",
     ),
     (
-        "settings: All(accuracy: 0.05)",
-        "; the accuracy of responses is in keep: Keep(response: Response(accuracy: 0.02))",
-    ),
-    (
         "keep: Keep(response: Response(bands_hz: [440]))",
         "keep.response.bands_hz[1]",
     ),
@@ -178,6 +174,11 @@ fn every_field_is_checked() {
     let said = refusal(&with("seeds: Some"));
     assert!(said.starts_with("study:1:"), "{said}");
     assert!(refusal(&with("colour: 1")).contains("colour"));
+    let misplaced = refusal(&with("settings: All(accuracy: 0.05)"));
+    assert!(
+        misplaced.ends_with("is in keep: Keep(response: Response(accuracy: 0.02))"),
+        "{misplaced}"
+    );
     assert!(refusal("Study(scenes: [])").contains("scenes must be 1 to"));
     let unknown = refusal("Study(scenes: [Scene(of: \"corner\", values: {\"width\": List([1])})])");
     assert!(
