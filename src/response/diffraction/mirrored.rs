@@ -113,13 +113,18 @@ impl Space for MirroredSpace<'_> {
         if descent <= 0.0 || crossing >= until {
             return exact.first(start, along, until);
         }
-        // Faces that lie in the plane do not count, also if rounding moves them to its front.
+        let error_m = on_face_m(exact);
+        // Faces of other surfaces in the plane do not count, also if rounding moves them to its front.
         let in_plane = exact.placing_error_m() / descent;
-        if let Some(before) = exact.first(start, along, crossing - in_plane) {
+        let is_in_plane = |met: &Obstacle| {
+            met.surface != mirror.surface && (met.metres - crossing).abs() <= in_plane
+        };
+        let before = exact.first(start, along, crossing - error_m / descent);
+        if let Some(before) = before.filter(|met| !is_in_plane(met)) {
             return Some(before);
         }
         let point = start + along * crossing;
-        if self.has_ends && !exact.is_on(mirror.surface, point, on_face_m(exact)) {
+        if self.has_ends && !exact.is_on(mirror.surface, point, error_m) {
             // The plane has no face there.
             return Some(Obstacle {
                 metres: crossing,
@@ -127,12 +132,17 @@ impl Space for MirroredSpace<'_> {
             });
         }
         let back = along.reflect(mirror.normal);
-        let passed = crossing + in_plane;
-        let next = exact.first(point + back * in_plane, back, until - passed)?;
-        Some(Obstacle {
-            metres: passed + next.metres,
-            surface: next.surface,
-        })
+        let next = |from: DVec3, passed: f64| {
+            let next = exact.first(from, back, until - crossing - passed)?;
+            Some(Obstacle {
+                metres: crossing + passed + next.metres,
+                surface: next.surface,
+            })
+        };
+        match next(point + mirror.normal * error_m, 0.0) {
+            Some(met) if is_in_plane(&met) => next(point + back * in_plane, in_plane),
+            met => met,
+        }
     }
 
     fn distance(&self, point: DVec3) -> f64 {
