@@ -2,12 +2,12 @@
 //! no surface in the plane.
 //!
 //! # Method
-//! A solid in front of the plane joins its image, and what lies behind the plane does not count. Of a box with a face in
-//! the plane remains either a box of twice the depth or nothing, also where the box is air (a room, or what is cut out of a
-//! solid). Operators join these values as they join those of the shapes.
+//! A solid in front of the plane joins its image, and what lies behind the plane does not count. A box with a face in the
+//! plane becomes a box of twice the depth, or vanishes, also where the box is air (a room, or what is cut out of a solid).
+//! Operators join these values as they join those of the shapes.
 //!
 //! # Deviations
-//! Of shapes without plane faces, and of those below operators that deform, faces in the plane remain closed.
+//! Faces of other shapes (prisms, cones, cylinders with ends, rounded boxes), and below other operators, remain closed.
 
 use crate::scene::shape::{Cuboid, HalfSpace, Room};
 use crate::scene::{Node, Shape};

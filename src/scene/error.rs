@@ -351,7 +351,7 @@ pub enum Warning {
         listener: String,
         /// Radius of the listener, in metres.
         radius: f32,
-        /// The shortest edge of the room, in metres.
+        /// The shortest edge of all rooms, in metres.
         edge: f64,
     },
     /// A source or a listener whose yaw is probably stated in radians.
@@ -414,7 +414,8 @@ impl fmt::Display for Warning {
                 edge,
             } => write!(
                 f,
-                "the radius of {listener} is {radius} m, and the shortest edge of its room {edge} m: radii are in metres, and 0.3 is a good value for rooms"
+                "the radius of {listener} is {radius} m, and the shortest edge of a room {} m: radii are in metres, and 0.3 is a good value for rooms",
+                *edge as f32
             ),
             Warning::YawInRadians { of, yaw } => write!(
                 f,

@@ -184,7 +184,8 @@ export class Listening {
     if (data.sources && data.scene === this.sound?.sent) {
       this.isTraced = !data.isSketch;
       this.sources = data.sources;
-      this.texts = data.texts.map((text) => (data.isSketch ? `${text}, late part ${COMPUTING}` : text));
+      const isLateOpen = data.isSketch && this.state.parts.late;
+      this.texts = data.texts.map((text) => (isLateOpen ? `${text}, late part ${COMPUTING}` : text));
       this.paths = data.paths;
       this.times = { trace: data.trace, late: data.late };
     }

@@ -106,10 +106,12 @@ impl EarsOfPage {
         let heard = if is_sketch {
             self.ears.sketch(&scene, &settings, parts, rate_hz)
         } else {
-            let is_new_mix = std::mem::take(&mut self.is_new_mix);
-            (self.ears).hear(&scene, &settings, parts, rate_hz, is_new_mix)
+            (self.ears).hear(&scene, &settings, parts, rate_hz, self.is_new_mix)
         };
         let heard = heard.map_err(thrown)?;
+        if !is_sketch {
+            self.is_new_mix = false;
+        }
         Ok(heard
             .into_iter()
             .map(|message| HeardByPage { message })

@@ -26,6 +26,9 @@ pub(super) fn on_face_m(exact: &ExactScene) -> f64 {
     TOUCH_IN_ROUNDINGS * exact.rounding()
 }
 
+/// Length behind a point met at which the solid is tested, in errors of the places of surfaces.
+const PAST_IN_ERRORS: f64 = 4.0;
+
 /// A plane face that reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Mirror {
@@ -114,10 +117,14 @@ impl Space for MirroredSpace<'_> {
             return exact.first(start, along, until);
         }
         let error_m = on_face_m(exact);
-        // Faces of other surfaces in the plane do not count, also if rounding moves them to its front.
-        let in_plane = exact.placing_error_m() / descent;
+        // Faces of other surfaces in the plane do not count, also if rounding moves them to its front. A surface that stands
+        // on the plane has a solid behind the point met.
+        let placing_m = exact.placing_error_m();
+        let in_plane = placing_m / descent;
         let is_in_plane = |met: &Obstacle| {
-            met.surface != mirror.surface && (met.metres - crossing).abs() <= in_plane
+            let is_near = (met.metres - crossing).abs() <= in_plane;
+            let past = origin + direction * (met.metres + PAST_IN_ERRORS * placing_m);
+            met.surface != mirror.surface && is_near && self.distance(past) > 0.0
         };
         let before = exact.first(start, along, crossing - error_m / descent);
         if let Some(before) = before.filter(|met| !is_in_plane(met)) {
@@ -281,6 +288,17 @@ mod tests {
                 .collect();
             assert_same(&once, &expected);
         }
+    }
+
+    /// Protects obstacles whose foot is near the point of a flat reflection, in a wide scene: a line that meets the wall
+    /// within the rounding of the plane does not pass it.
+    #[test]
+    fn a_wall_near_a_flat_reflection_hides_it() {
+        let ends = (DVec3::new(-500.0, 0.5, 0.0), DVec3::new(500.0, 1.5, 0.0));
+        let wall = "Surface(shape: Box(size: (0.2, 3, 4)), position: (-249.95, 1.5, 0))";
+        let scene = tests::exact(&format!("Surface(shape: Plane), {wall}"), ends);
+        let paths = around_mirrored(&scene, ground(1), ends, SPEED, RIGID);
+        assert!(paths.iter().any(|path| path.reflections.len() == 1));
     }
 
     /// Protects paths with a reflection on each side of the wall: they are the ways under the wall of twice the height.

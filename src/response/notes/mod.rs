@@ -8,7 +8,9 @@ pub(super) mod silence;
 
 use super::{HeardPath, Response};
 use crate::bands::BAND_COUNT;
+use crate::geometry::ExactScene;
 use crate::scene::Pair;
+use glam::Vec3;
 use missing::listed;
 use std::fmt;
 
@@ -143,9 +145,16 @@ impl Response {
     fn hidden_source(&self, pair: Pair) -> Option<String> {
         let is_silent = self.energy() == [0.0; BAND_COUNT];
         let has_diffraction = self.diffraction_milliseconds > 0.0;
-        let is_hidden = self.direct().is_none() && silence::end_in_solid(pair).is_none();
-        (is_hidden && !is_silent && !has_diffraction).then(|| {
-            "the source is hidden from the listener: sound that bends around obstacles is missing, and C50, C80, D50, Ts, EDT and G may be wrong by more than ±; diffraction adds it (docs/acoustics.md#notes)".to_owned()
+        if is_silent || has_diffraction || self.direct().is_some() {
+            return None;
+        }
+        // A source that radiates nothing towards the listener has no direct path either.
+        let ends = [pair.source().position, pair.listener().position].map(Vec3::as_dvec3);
+        let exact = ExactScene::new(pair).ok()?;
+        let is_hidden =
+            silence::end_in_solid(pair).is_none() && !exact.is_in_sight(ends[0], ends[1]);
+        is_hidden.then(|| {
+            "the source is hidden from the listener: sound that bends around obstacles is missing, and C50, C80, D50, Ts, EDT and G may be wrong by more than ±; diffraction adds it, if there is a way around (docs/acoustics.md#notes)".to_owned()
         })
     }
 }
@@ -155,10 +164,9 @@ mod tests {
     use super::*;
     use crate::Scene;
     use crate::gl::{Context, ContextOptions};
-    use crate::glam::Vec3;
     use crate::response::ResponseSettings;
     use crate::scene::shape::{Cuboid, Room};
-    use crate::scene::{Listener, Source, Surface};
+    use crate::scene::{Directivity, Listener, Source, Surface};
     use crate::tracer::{Settings, Tracer};
 
     /// Protects readers of the notes: only lost waves that change figures are a warning, and no text names an option of
@@ -218,5 +226,26 @@ mod tests {
         assert!(told(2.0 * Vec3::X, false));
         assert!(!told(2.0 * Vec3::X, true));
         assert!(!told(2.0 * Vec3::Z - 2.0 * Vec3::X, false));
+    }
+
+    /// Protects sources that radiate nothing towards a listener in plain sight: there is nothing to bend.
+    #[test]
+    fn a_source_that_faces_away_is_not_hidden() {
+        let context = Context::headless(&ContextOptions::default()).expect("OpenGL");
+        let mut tracer = Tracer::new(&context).expect("a tracer");
+        let room = Surface::new(Room {
+            size: Vec3::new(8.0, 3.0, 5.0),
+        });
+        // A source looks along −z.
+        let source = Source::at(Vec3::ZERO).with_directivity(Directivity::CARDIOID);
+        let listener = Listener::at(2.0 * Vec3::Z, 0.3);
+        let scene = Scene::new("room", vec![room], source, listener);
+        let settings = ResponseSettings::default().with_seconds(0.1);
+        let settings = settings.with_trace(Settings::default().with_waves(256));
+        let response = Response::trace(&mut tracer, &scene, &settings).expect("a response");
+        assert_eq!(response.direct(), None);
+        let notes = response.notes(scene.only_pair().expect("one pair"));
+        let is_hidden = |note: &Note| note.to_string().contains("diffraction adds it");
+        assert!(!notes.iter().any(is_hidden), "{notes:?}");
     }
 }

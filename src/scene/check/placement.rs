@@ -62,8 +62,10 @@ impl Scene {
         let mut warnings = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
             let bounds = surface.bounds();
-            let size = bounds.max - bounds.min;
-            let is_furniture = size.is_finite() && size.x.min(size.z) >= LEAST_HOVERING_M;
+            // The box in the axes of the scene is wider than a thin shape that is rotated.
+            let own = surface.shape.properties().bounds;
+            let size = own.max - own.min;
+            let is_furniture = bounds.is_finite() && size.x.min(size.z) >= LEAST_HOVERING_M;
             if !is_furniture || !surface.drivers.is_empty() {
                 continue;
             }

@@ -9,8 +9,8 @@ use echomarch::tracer::Settings;
 /// Options of the effort for a response.
 #[derive(Args, Debug)]
 pub struct AccuracyOptions {
-    /// Standard error of EDT, T20 and T30, with its sign: 0.1% to 5%. C50, C80 and G have a tenth of a decibel for each per cent.
-    /// The number of waves grows until all figures have this error [default: 2%, unless --waves is given]
+    /// Standard error of EDT, T20 and T30, 0.1% to 5%, with the sign %. C50, C80 and G have a tenth of a decibel for
+    /// each per cent. The number of waves grows until all figures have this error [default: 2%, unless --waves is given]
     #[arg(long, allow_negative_numbers = true, value_name = "PERCENT", value_parser = percent)]
     accuracy: Option<f64>,
     /// Number of sound waves, 1 to 16777216; the maximum number with --accuracy [default: as many as --accuracy takes,
@@ -25,16 +25,18 @@ pub struct AccuracyOptions {
 
 /// Parses a share in per cent: `2%` or `2 %`. A number without the sign could be a share or per cent.
 pub fn percent(said: &str) -> Result<f64, String> {
-    match said.strip_suffix('%') {
-        Some(number) => real::<f64>(number.trim_end()).map(|percent| percent / 100.0),
-        None => {
-            let number = real::<f64>(said)?;
-            let of_share = (1e6 * number).round() / 1e4;
-            Err(format!(
-                "write {of_share}% for a share of {said}, {said}% for {said} per cent"
-            ))
-        }
+    let number = |text: &str| {
+        let number = real::<f64>(text).ok().filter(|number| number.is_finite());
+        number
+            .ok_or_else(|| "it must be a number of per cent with the sign %, such as 2%".to_owned())
+    };
+    if let Some(per_cent) = said.strip_suffix('%') {
+        return number(per_cent.trim_end()).map(|per_cent| per_cent / 100.0);
     }
+    let of_share = (1e6 * number(said)?).round() / 1e4;
+    Err(format!(
+        "write {of_share}% for a share of {said}, {said}% for {said} per cent"
+    ))
 }
 
 impl AccuracyOptions {
@@ -94,6 +96,8 @@ mod tests {
         let expected = "write 5% for a share of 0.05, 0.05% for 0.05 per cent";
         assert_eq!(refused, Err(expected.to_owned()));
         assert!(percent("2").is_err_and(|message| message.ends_with("2% for 2 per cent")));
-        assert!(percent("two%").is_err());
+        for wrong in ["two%", "5pct", "inf", "nan%", ""] {
+            assert!(percent(wrong).is_err_and(|message| message.ends_with("such as 2%")));
+        }
     }
 }

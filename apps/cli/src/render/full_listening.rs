@@ -43,8 +43,8 @@ pub struct FullOptions {
     /// dB, at most 3]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     tail: Option<f64>,
-    /// Standard error of the figures of each response, with its sign: 0.1% to 5%, as in impulse. The number of waves grows until all
-    /// figures have this error; --waves limits it [default: a fixed number of waves]
+    /// Standard error of the figures of each response, 0.1% to 5%, with the sign %, as in impulse. The number of waves
+    /// grows until all figures have this error; --waves limits it [default: a fixed number of waves]
     #[arg(long, allow_negative_numbers = true, value_name = "PERCENT", value_parser = percent)]
     accuracy: Option<f64>,
     /// Maximum number of renewals of a response in a second, 0.1 to 1000. A response is renewed when its source or the
