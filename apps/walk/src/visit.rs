@@ -355,8 +355,8 @@ mod tests {
         assert!(next_frame(&mut visit).is_some());
     }
 
-    /// Protects a new scene from showing the counts and the extent of the previous scene. Also protects a link that the user follows:
-    /// earlier actions have no effect on its state.
+    /// Protects a new scene from showing the counts and the extent of the previous scene. Also protects a link that the
+    /// user follows: earlier actions have no effect on its state.
     #[test]
     fn a_scene_that_is_opened_begins_anew() {
         let mut visit = visit("corner");
