@@ -46,10 +46,7 @@ impl Ears {
             return Ok(Vec::new());
         }
         let mut messages = Vec::new();
-        let tell = |found: Found| {
-            messages.push(HeardMessage::new(scene, &found, rate_hz)?);
-            Ok(())
-        };
+        let tell = collect(&mut messages, scene, rate_hz);
         self.status = self
             .hearing
             .look(scene, settings, parts, is_new_mix, tell)?;
@@ -69,10 +66,7 @@ impl Ears {
         rate_hz: u32,
     ) -> Result<Vec<HeardMessage>, Error> {
         let mut messages = Vec::new();
-        let tell = |found: Found| {
-            messages.push(HeardMessage::new(scene, &found, rate_hz)?);
-            Ok(())
-        };
+        let tell = collect(&mut messages, scene, rate_hz);
         if let Some(status) = self.hearing.sketch(scene, settings, parts, tell)? {
             self.status = status;
         }
@@ -103,6 +97,18 @@ impl Ears {
     /// Duration of the last trace, and of its late part, in milliseconds.
     pub fn milliseconds(&self) -> [f64; 2] {
         [self.status.trace_ms, self.status.late_ms]
+    }
+}
+
+/// Returns a closure that appends the messages of what is found.
+fn collect(
+    messages: &mut Vec<HeardMessage>,
+    scene: &Scene,
+    rate_hz: u32,
+) -> impl FnMut(Found) -> Result<(), Error> {
+    move |found| {
+        messages.push(HeardMessage::new(scene, &found, rate_hz)?);
+        Ok(())
     }
 }
 
