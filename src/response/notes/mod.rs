@@ -148,12 +148,13 @@ impl Response {
         if is_silent || has_diffraction || self.direct().is_some() {
             return None;
         }
+        if silence::end_in_solid(pair).is_some() {
+            return None;
+        }
         // A source that radiates nothing towards the listener has no direct path either.
         let ends = [pair.source().position, pair.listener().position].map(Vec3::as_dvec3);
         let exact = ExactScene::new(pair).ok()?;
-        let is_hidden =
-            silence::end_in_solid(pair).is_none() && !exact.is_in_sight(ends[0], ends[1]);
-        is_hidden.then(|| {
+        (!exact.is_in_sight(ends[0], ends[1])).then(|| {
             "the source is hidden from the listener: sound that bends around obstacles is missing, and C50, C80, D50, Ts, EDT and G may be wrong by more than ±; diffraction adds it, if there is a way around (docs/acoustics.md#notes)".to_owned()
         })
     }
