@@ -9,6 +9,7 @@
 //! # Deviations
 //! Faces of other shapes (prisms, cones, cylinders with ends, rounded boxes), and below other operators, remain closed.
 
+use super::SAME_NORMAL;
 use crate::scene::shape::{Cuboid, HalfSpace, Room};
 use crate::scene::{Node, Shape};
 use glam::DVec3;
@@ -23,10 +24,6 @@ pub(super) struct OpenPlane {
     /// Maximum distance in metres of a face in the plane.
     pub touch: f64,
 }
-
-/// Maximum deviation of the normal of a face in the plane, as a length of the difference of unit vectors: rotations are
-/// rounded to `f32`.
-const SAME_NORMAL: f64 = 1e-6;
 
 impl OpenPlane {
     /// The plane in axes in which these functions give the places of points and directions.

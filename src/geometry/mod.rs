@@ -57,3 +57,7 @@ pub use exact::ExactScene;
 pub use exact::Hit;
 #[cfg(any(test, feature = "reference"))]
 pub use reference::*;
+
+/// Maximum length of the difference between unit normals of one plane face: rotations are rounded to `f32`, and several
+/// of them add their errors of about 10⁻⁷.
+pub(crate) const SAME_NORMAL: f64 = 1e-6;

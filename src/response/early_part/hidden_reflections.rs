@@ -1,5 +1,6 @@
 //! Reflections at plane faces whose paths an object hides. Diffraction bends them around it.
 
+use crate::geometry::SAME_NORMAL;
 use crate::response::exact_paths::{Candidates, EarlyPaths, Ends, Found, NoPath, Vertex};
 
 /// The hidden reflections among candidates.
@@ -11,8 +12,9 @@ pub(super) struct HiddenReflections {
     of_candidate: Vec<Option<usize>>,
 }
 
-/// Greatest difference between the normals of one plane face.
-const SAME_NORMAL: f64 = 1e-6;
+/// Maximum height of a point of a plane face above that plane, as a share of the distance between the points that are
+/// compared, but at least of one metre: normals deviate by [`SAME_NORMAL`].
+const SAME_PLANE: f64 = SAME_NORMAL;
 
 impl HiddenReflections {
     /// The reflections at plane faces that an object hides, also where it covers the point of reflection.
@@ -26,7 +28,7 @@ impl HiddenReflections {
             let is_same = |known: &Vertex| {
                 let height = (known.point - vertex.point).dot(vertex.normal);
                 known.normal.distance(vertex.normal) <= SAME_NORMAL
-                    && height.abs() <= SAME_NORMAL * known.point.distance(vertex.point).max(1.0)
+                    && height.abs() <= SAME_PLANE * known.point.distance(vertex.point).max(1.0)
             };
             let known = reflections.iter().position(is_same);
             known.unwrap_or_else(|| {

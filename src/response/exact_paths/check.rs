@@ -17,7 +17,7 @@
 use super::NoPath;
 use super::paths::Draft;
 use super::surfaces::{Surfaces, Vertex};
-use crate::geometry::ExactScene;
+use crate::geometry::{ExactScene, SAME_NORMAL};
 use glam::DVec3;
 
 /// Least cosine between a wave and a surface's normal. At this angle the rounding along the wave is 10⁹ times the
@@ -181,9 +181,6 @@ impl Checked<'_> {
         self.exact.distance_within(probe, 2.0 * probe_m)
     }
 }
-
-/// Maximum difference between normals of one face.
-const SAME_NORMAL: f64 = 1e-6;
 
 /// Number of leading segments with length 0.
 fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
