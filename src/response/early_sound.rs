@@ -114,6 +114,7 @@ impl EarlySound {
             onset_waves: 0,
             accuracy: None,
             ended: None,
+            diffraction: settings.diffracts(),
             milliseconds: 0.0,
         })
     }

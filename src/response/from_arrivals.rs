@@ -104,6 +104,7 @@ pub(super) fn response(
         onset_waves: settings.onset_waves(),
         accuracy: None,
         ended: None,
+        diffraction: settings.diffracts(),
         milliseconds: 0.0,
         diffraction_milliseconds,
     };

@@ -173,6 +173,9 @@ pub struct Response {
     /// Why no further round followed; `None` without a requested accuracy.
     #[serde(default)]
     pub(crate) ended: Option<Ended>,
+    /// Whether diffraction was asked for. `false` with [`Profile::Thesis`](crate::tracer::Profile::Thesis), which has none.
+    #[serde(default)]
+    pub diffraction: bool,
     /// Time in milliseconds, including the compilation of new shaders. Listeners that share waves share their time in equal
     /// parts.
     pub milliseconds: f64,
