@@ -324,10 +324,13 @@ pub enum Warning {
         /// Density in kg/m³.
         density: f64,
     },
-    /// All sources and listeners are in the solid of one surface, which is probably meant to be a room.
+    /// All sources and listeners are in the solid of one surface: below a ground, or in a solid that is probably meant to
+    /// be a room.
     AllInSolid {
         /// The surface.
         surface: String,
+        /// Whether the surface is a plane or a half space, such as a ground.
+        is_ground: bool,
     },
     /// A surface that lies wholly in the solid of another one, such as that around a room, and has no effect.
     Buried {
@@ -393,9 +396,19 @@ fn to_millimetres(metres: f32) -> f64 {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Warning::AllInSolid { surface } => write!(
+            Warning::AllInSolid {
+                surface,
+                is_ground: true,
+            } => write!(
                 f,
-                "all sources and listeners are in {surface}: if it is meant to be a room, exchange its air and its solid (a field is positive in the air; Complement(of: …) exchanges both)"
+                "all sources and listeners are in the solid of {surface}: move them above it, to the side of its air"
+            ),
+            Warning::AllInSolid {
+                surface,
+                is_ground: false,
+            } => write!(
+                f,
+                "all sources and listeners are in the solid of {surface}: if it is meant to be a room, hollow it out (Shell(of: …, thickness: …)), or exchange its air and its solid (a field is positive in the air; Complement(of: …) exchanges both)"
             ),
             Warning::Buried { surface, solid } => write!(
                 f,

@@ -1,7 +1,7 @@
 //! Warnings about surfaces that are probably misplaced, and about a room that is solid.
 
 use crate::scene::shape::{Bounds3, Room};
-use crate::scene::{Node, Scene, Surface, Warning};
+use crate::scene::{Node, Scene, Shape, Surface, Warning};
 use glam::{DVec3, Vec3};
 
 /// Number of times that a box is halved along all axes in the search for a part of it outside a solid.
@@ -15,7 +15,8 @@ const HOVERING_M: std::ops::RangeInclusive<f64> = 0.001..=0.03;
 const LEAST_HOVERING_M: f64 = 0.2;
 
 impl Scene {
-    /// Warns if all sources and listeners are in the solid of one surface: it is probably meant to be a room.
+    /// Warns if all sources and listeners are in the solid of one surface: below a ground, or in a solid that is probably
+    /// meant to be a room.
     pub(super) fn all_in_one_solid(&self) -> Option<Warning> {
         let sources = self.sources.iter().map(|source| source.position);
         let listeners = self.listeners.iter().map(|listener| listener.position);
@@ -25,9 +26,10 @@ impl Scene {
         let (first, _) = around.next()??;
         let is_same = |of: Option<(usize, f32)>| of.is_some_and(|(index, _)| index == first);
         let surface = &self.surfaces[first];
-        let is_room = !surface.takes_walls() && around.all(is_same);
-        is_room.then(|| Warning::AllInSolid {
+        let are_all_in = !surface.takes_walls() && around.all(is_same);
+        are_all_in.then(|| Warning::AllInSolid {
             surface: surface.label(first),
+            is_ground: is_half_space(&surface.shape),
         })
     }
 
@@ -116,6 +118,15 @@ impl Surface {
             }
             _ => None,
         }
+    }
+}
+
+/// Whether a shape is a plane or a half space, also if it is moved, rotated or scaled.
+fn is_half_space(shape: &Shape) -> bool {
+    match shape.node {
+        Node::Plane(_) | Node::HalfSpace(_) => true,
+        Node::Translate(_) | Node::Rotate(_) | Node::Scale(_) => is_half_space(&shape.children[0]),
+        _ => false,
     }
 }
 

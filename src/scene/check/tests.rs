@@ -450,6 +450,7 @@ fn a_room_that_is_solid_is_warned_of() {
         let warnings = scene.warnings();
         warnings.contains(&Warning::AllInSolid {
             surface: "surface 1 (Box)".to_owned(),
+            is_ground: false,
         })
     };
     assert!(is_reversed(&scene));
@@ -466,6 +467,39 @@ fn a_room_that_is_solid_is_warned_of() {
             .iter()
             .all(|warning| !matches!(warning, Warning::AllInSolid { .. }))
     );
+}
+
+/// Protects users whose sources and listeners are below the ground from advice for rooms, and the other way round.
+#[test]
+fn advice_for_a_ground_differs_from_that_for_a_room() {
+    let advice = |shape: &str| {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: {shape})], source: Source(position: (0, -2, 0)), \
+             listener: Listener(position: (1, -2, 0), radius: 0.1))"
+        );
+        let scene = Scene::from_ron(&text, "test").expect("a scene");
+        let warnings = scene.warnings().into_iter();
+        let texts: Vec<String> = warnings.map(|warning| warning.to_string()).collect();
+        let mut all_in_solid = texts.iter().filter(|text| text.starts_with("all sources"));
+        all_in_solid.next().expect("a warning").clone()
+    };
+    for ground in [
+        "Plane",
+        "HalfSpace(normal: (0.1, 1, 0))",
+        "Translate(of: Plane, by: (0, 1, 0))",
+    ] {
+        let told = advice(ground);
+        assert!(told.contains("move them above it"), "{told}");
+        assert!(!told.contains("exchange"), "{told}");
+    }
+    for closed in [
+        "Box(size: (9, 9, 9))",
+        "Scale(of: Sphere(radius: 4), by: 2)",
+    ] {
+        let told = advice(closed);
+        assert!(told.contains("hollow it out"), "{told}");
+        assert!(told.contains("exchange its air and its solid"), "{told}");
+    }
 }
 
 /// Protects angles in degrees from radians, times in seconds from milliseconds, and radii in metres from centimetres.
