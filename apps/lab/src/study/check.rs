@@ -231,19 +231,21 @@ impl Checker<'_> {
             iterations, waves, ..
         } = settings
         {
-            for (place, list, is_found) in [
-                ("settings.iterations", iterations, true),
-                ("settings.waves", waves, finds_waves),
+            for (place, list, has_no_effect, must) in [
+                (
+                    "settings.iterations",
+                    iterations,
+                    !traces_frames,
+                    "one number where only responses are kept: they use as many as they need",
+                ),
+                (
+                    "settings.waves",
+                    waves,
+                    !traces_frames && finds_waves,
+                    "one number where only responses with an accuracy are kept: they use as many as they need",
+                ),
             ] {
-                let is_right = traces_frames || !is_found || list.len() == 1;
-                let must = match finds_waves {
-                    true => {
-                        "one number where only responses with an accuracy are kept: they use as many as they need"
-                    }
-                    false => {
-                        "one number where only responses are kept: they use as many as they need"
-                    }
-                };
+                let is_right = !has_no_effect || list.len() == 1;
                 self.must(is_right, place, must, list.len())?;
             }
         }
