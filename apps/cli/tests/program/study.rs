@@ -417,7 +417,8 @@ fn places_in_solids_are_told_apart_from_silence() {
     assert_eq!(gaps.collect::<Vec<_>>(), ["5", "0", "5"]);
 }
 
-/// Protects the accuracy of a study: every figure has the requested error, as with `impulse --accuracy`.
+/// Protects the accuracy of a study: every figure has the requested error, as with `impulse --accuracy`, and the table
+/// states the waves that this took, not those of the settings.
 #[test]
 fn a_study_has_the_accuracy_that_it_asks_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -435,6 +436,13 @@ fn a_study_has_the_accuracy_that_it_asks_for() {
     let row: Vec<&str> = csv.lines().nth(1).unwrap().rsplit(',').collect();
     let [error_s, t30_s] = [row[1], row[2]].map(|cell| cell.parse::<f64>().expect(&csv));
     assert!(error_s <= 0.05 * t30_s, "{csv}");
+    let names = csv.lines().next().unwrap().split(',');
+    let at: Vec<usize> = (names.enumerate().filter(|(_, name)| *name == "waves"))
+        .map(|(at, _)| at)
+        .collect();
+    assert_eq!(at.len(), 1, "{csv}");
+    let waves = csv.lines().nth(1).unwrap().split(',').nth(at[0]).unwrap();
+    assert!(waves.parse::<u32>().unwrap() > 64, "{csv}");
 }
 
 /// Protects maps: the program draws a picture of a column over a grid of listeners, and reports an error without a

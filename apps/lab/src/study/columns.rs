@@ -6,6 +6,7 @@ use crate::report::Cell;
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{BandFigures, Gap, Response};
 use echomarch::scene::Pair;
+use echomarch::tracer::Settings;
 
 /// Maximum of all times in the results, in seconds. A response has at most 60 s, and a decay time is three times the
 /// evaluated part of the decay.
@@ -19,6 +20,9 @@ const ERROR_TO_RANGE: f64 = 10.0;
 
 /// Rounding error by which a share or a time may exceed its limit.
 const ROUNDING: f64 = 1e-9;
+
+/// The column of the number of waves.
+const WAVES: &str = "waves";
 
 /// A column of the joined tables.
 #[derive(Clone, Debug, PartialEq)]
@@ -242,6 +246,23 @@ impl FigureName {
 }
 
 impl Kept {
+    /// Whether frames are traced.
+    pub(super) fn traces_frames(&self) -> bool {
+        self.pan || self.counts || self.exact
+    }
+
+    /// The column of the number of waves that a response traced; `None` if that number is the one of the settings, because
+    /// the study asks for no accuracy. Beside frames, which trace the waves of the settings, the column has a name of its
+    /// own.
+    pub(super) fn column_of_waves(&self) -> Option<&'static str> {
+        let (response, _) = self.response.as_ref()?;
+        response.accuracy.as_ref()?;
+        Some(match self.traces_frames() {
+            true => "response_waves",
+            false => WAVES,
+        })
+    }
+
     /// The columns of the results. Counts of waves are at most `waves`, and counts of marches are at most `marches`.
     fn columns(&self, waves: u64, marches: u64) -> Vec<Column> {
         let mut columns = Vec::new();
@@ -267,6 +288,10 @@ impl Kept {
         if self.exact {
             let range = Range::new(-1.0 - ROUNDING, 1.0 + ROUNDING);
             columns.push(Column::within("exact_pan", Kind::Real, range));
+        }
+        if let Some(name) = self.column_of_waves() {
+            let range = Range::new(0.0, f64::from(Settings::MAX_WAVES));
+            columns.push(Column::within(name, Kind::Whole, range));
         }
         if let Some((_, response)) = &self.response {
             columns.extend(response.columns());
@@ -300,7 +325,7 @@ impl Study {
         for (name, kind) in [
             ("profile", Kind::Text),
             ("directions", Kind::Text),
-            ("waves", Kind::Whole),
+            (WAVES, Kind::Whole),
             ("iterations", Kind::Whole),
             ("source_x_m", Kind::Real),
             ("source_y_m", Kind::Real),
@@ -310,9 +335,17 @@ impl Study {
             ("listener_z_m", Kind::Real),
             ("seed", Kind::Whole),
         ] {
-            columns.push(Column::new(name, kind));
+            if name != WAVES || self.identifies_waves() {
+                columns.push(Column::new(name, kind));
+            }
         }
         columns
+    }
+
+    /// Whether the number of waves of the settings is among the columns that identify a point. Otherwise it has no effect,
+    /// and the results state the number.
+    pub(super) fn identifies_waves(&self) -> bool {
+        self.keep.column_of_waves() != Some(WAVES)
     }
 
     /// All columns, in order.

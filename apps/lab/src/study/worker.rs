@@ -95,7 +95,7 @@ impl<'a> Worker<'a> {
     fn of_frames(&mut self, point: &Point) -> Result<Vec<Cell>, Error> {
         let (keep, settings) = (&self.study.keep, self.settings(point));
         let mut cells = Vec::new();
-        if !(keep.pan || keep.counts || keep.exact) {
+        if !keep.traces_frames() {
             return Ok(cells);
         }
         let (scene, tracer) = self.scene(point)?;
@@ -148,10 +148,14 @@ impl<'a> Worker<'a> {
         let pairs = (0..group.len()).map(|listener| scene.pair(0, listener));
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
         let responses = Response::trace_pairs(&mut self.tracer, &pairs, &how)?;
+        let states_waves = self.study.keep.column_of_waves().is_some();
         let responses = responses.iter().zip(pairs);
-        Ok(responses
-            .map(|(one, pair)| columns.cells(one, pair))
-            .collect())
+        let cells = responses.map(|(one, pair)| {
+            let waves = states_waves.then(|| Cell::from(one.waves));
+            let of_response = columns.cells(one, pair);
+            waves.into_iter().chain(of_response).collect()
+        });
+        Ok(cells.collect())
     }
 }
 
