@@ -242,7 +242,7 @@ impl Placed {
             Form::Room { half } => -own.box_distance(p, half),
             _ if is_mirror && self.is_convex() => f64::INFINITY,
             Form::Field(ref field) => field.distance_in_front(p, own),
-            Form::Mesh(ref mesh) => mesh.distance_in_front(p, own.point, own.normal),
+            Form::Mesh(ref mesh) => mesh.distance_in_front(p, own),
             _ => self.distance(point),
         }
     }

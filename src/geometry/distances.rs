@@ -134,3 +134,32 @@ impl ExactScene {
         nearest
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    /// Protects meshes on a plane of a large scene: their faces lie in the plane within the rounding of the scene's
+    /// coordinates, as those of other shapes do. In a small scene the same height is one above the plane.
+    #[test]
+    fn faces_of_meshes_are_in_a_plane_within_the_rounding_of_the_scene() {
+        let distance = |shape: &str, extent_m: f64| {
+            let text = format!(
+                "Scene(surfaces: [Surface(shape: Plane), Surface(shape: {shape}, position: (0, 0.00002, 0))], \
+                 source: Source(position: (0, 1, 0)), listener: Listener(position: ({extent_m}, 1, 0), radius: 0.1))"
+            );
+            let scene = Scene::from_ron(&text, "test").expect("a scene");
+            let exact = ExactScene::new(scene.pair(0, 0).expect("a pair")).expect("a valid scene");
+            exact.distance_in_front(DVec3::new(0.0, 0.1, 0.0), (1, (DVec3::ZERO, DVec3::Y)))
+        };
+        for room in [
+            "Rooms(of: [(name: \"hall\", from: (-2, 0, -2), to: (2, 3, 2))])",
+            "Translate(of: Room(size: (4, 3, 4)), by: (0, 1.5, 0))",
+        ] {
+            let (near, far) = (distance(room, 1.5), distance(room, 400.0));
+            assert!((near - 0.1).abs() < 1e-3, "{room}: {near}");
+            assert!((far - 2.0).abs() < 1e-3, "{room}: {far}");
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! Intersections of a line with a triangle mesh, in the mesh's own axes and in `f64`.
 
+use super::in_front::OpenPlane;
 use super::intersection::Intersection;
 use crate::scene::Bounds3;
 use crate::scene::mesh::TriangleMesh;
@@ -45,8 +46,13 @@ impl PlacedMesh {
     }
 
     /// See [`TriangleMesh::distance_in_front`].
-    pub fn distance_in_front(&self, p: DVec3, on_plane: DVec3, normal: DVec3) -> f64 {
-        self.mesh.distance_in_front(p, on_plane, normal)
+    pub fn distance_in_front(&self, p: DVec3, plane: OpenPlane) -> f64 {
+        let OpenPlane {
+            point,
+            normal,
+            touch,
+        } = plane;
+        self.mesh.distance_in_front(p, (point, normal), touch)
     }
 
     /// The first face met within `until` metres.

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Maximum distance of a corner from the plane of its facet, as a share of the largest coordinate: eight units in the
 /// last place of that coordinate in `f32`, in which corners are stored.
-pub(super) const FLATNESS: f64 = 8.0 * f32::EPSILON as f64;
+const FLATNESS: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Least cosine between the normals of a facet and of its triangles. A fold of a few degrees exceeds rounding.
 const LEAST_COSINE: f64 = 0.9999;

@@ -225,13 +225,21 @@ impl TriangleMesh {
         self.tree().signed_distance(self, p, |_| true)
     }
 
-    /// Signed distance in metres from a point in front of a plane through `on_plane` to the nearest face in front of
-    /// it, also partly.
-    pub(crate) fn distance_in_front(&self, p: DVec3, on_plane: DVec3, normal: DVec3) -> f64 {
-        let flat = facets::FLATNESS * self.extent();
+    /// Signed distance in metres from a point in front of a plane through `on_plane` to the nearest face that rises more
+    /// than `touch` metres in front of it, also partly.
+    pub(crate) fn distance_in_front(
+        &self,
+        p: DVec3,
+        (on_plane, normal): (DVec3, DVec3),
+        touch: f64,
+    ) -> f64 {
         let height = |corner: Vec3| (corner.as_dvec3() - on_plane).dot(normal);
-        let is_in_front =
-            |triangle: &Triangle| triangle.corners.iter().any(|corner| height(*corner) > flat);
+        let is_in_front = |triangle: &Triangle| {
+            triangle
+                .corners
+                .iter()
+                .any(|corner| height(*corner) > touch)
+        };
         self.tree().signed_distance(self, p, is_in_front)
     }
 
