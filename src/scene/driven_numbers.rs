@@ -2,7 +2,6 @@
 
 use super::shape::{Numbers, Parameter};
 use super::{Driver, Motion, Node, Quantity, Scene, SceneError, Shape, Surface};
-use crate::text::nearest;
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -193,11 +192,7 @@ impl Scene {
         SceneError::UnknownValue {
             scene: self.name.clone(),
             name: name.to_owned(),
-            nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
-            known: match names.len() {
-                0 => "none".to_owned(),
-                _ => names.join(", "),
-            },
+            known: names.to_vec(),
         }
     }
 

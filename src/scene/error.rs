@@ -7,6 +7,7 @@
 
 use super::material::WALL_NAMES;
 use crate::file_input::{InputError, MalformedText};
+use crate::text;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -80,9 +81,11 @@ pub enum SceneError {
         why: String,
     },
     /// A driver for a number that does not exist.
-    #[error(
-        "scene {scene:?}: {surface} has no number {parameter:?} that could be driven; it has: {known}"
-    )]
+    #[error("{}", text::which_it_has(
+        &format!("scene {scene:?}: {surface} has no number {parameter:?} that could be driven"),
+        parameter,
+        known,
+    ))]
     UnknownParameter {
         /// The scene's name.
         scene: String,
@@ -91,22 +94,21 @@ pub enum SceneError {
         /// The requested name.
         parameter: String,
         /// The existing names.
-        known: String,
+        known: Vec<String>,
     },
     /// A named value that the scene does not use.
-    #[error(
-        "scene {scene:?} has no value named {name:?}; it has: {known}{}",
-        nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
-    )]
+    #[error("{}", text::which_it_has(
+        &format!("scene {scene:?} has no value named {name:?}"),
+        name,
+        known,
+    ))]
     UnknownValue {
         /// The scene's name.
         scene: String,
         /// The requested name.
         name: String,
         /// The existing names.
-        known: String,
-        /// A similar name, if any.
-        nearest: Option<String>,
+        known: Vec<String>,
     },
     /// The scene has no source or listener with this index.
     #[error("scene {scene:?} has no {what} number {number}: it has {count}, counted from 0")]

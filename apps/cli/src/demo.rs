@@ -300,11 +300,9 @@ fn check_device(sound: &SoundOptions) -> anyhow::Result<()> {
         return Ok(());
     }
     let known: Vec<&str> = devices.iter().map(|device| device.name.as_str()).collect();
-    let known = known.join(", ");
-    Err(BadInput(format!(
-        "no sound device is called {wanted:?}; there are: {known}"
-    ))
-    .into())
+    let refused = format!("no sound device is called {wanted:?}");
+    let refused = echomarch::internals::text::which_there_are(&refused, wanted, &known);
+    Err(BadInput(refused).into())
 }
 
 #[cfg(not(feature = "audio"))]

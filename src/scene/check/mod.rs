@@ -153,7 +153,7 @@ impl Scene {
                     known: {
                         let mut known: Vec<String> = known.into_iter().collect();
                         known.sort_unstable();
-                        known.join(", ")
+                        known
                     },
                 });
             }

@@ -469,6 +469,31 @@ fn a_room_that_is_solid_is_warned_of() {
     );
 }
 
+/// Protects users from misspelled numbers and values: the message names the similar one.
+#[test]
+fn a_misspelled_number_or_value_is_suggested() {
+    let ball = Surface::new(Sphere { radius: 1.0 });
+    let mut scene = hall();
+    let driven = ball.driven("position.x", Motion::Named("door".to_owned()));
+    scene.surfaces.push(driven);
+    let refused = scene
+        .set_value("dor", 1.0)
+        .expect_err("an error")
+        .to_string();
+    assert!(
+        refused.ends_with("it has: door; did you mean door?"),
+        "{refused}"
+    );
+    scene.surfaces[1].drivers[0].parameter = "positon.x".to_owned();
+    let refused = scene.check().expect_err("an error").to_string();
+    assert!(refused.ends_with("; did you mean position.x?"), "{refused}");
+    let refused = hall()
+        .set_value("door", 1.0)
+        .expect_err("an error")
+        .to_string();
+    assert!(refused.ends_with("; it has none"), "{refused}");
+}
+
 /// Protects users whose sources and listeners are below the ground from advice for rooms, and the other way round.
 #[test]
 fn advice_for_a_ground_differs_from_that_for_a_room() {
