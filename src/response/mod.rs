@@ -297,7 +297,11 @@ impl Response {
         let heard = Heard { pair, medium, late };
         let seconds = settings.seconds.unwrap_or(settings.longest_s);
         let early = EarlySound::find(&heard, settings, seconds, (Vec::new(), Vec::new()))?;
-        early.alone(medium, settings, seconds)
+        let mut response = early.alone(medium, settings, seconds)?;
+        if let Some(least_db) = settings.least_level_db {
+            least_level::raise(&mut response, pair, medium, least_db);
+        }
+        Ok(response)
     }
 
     /// The direct sound; `None` if it is obstructed.

@@ -121,6 +121,8 @@ pub struct Hearing {
     tracer: Tracer,
     /// The scene of the last trace, and the parts that were heard.
     scene: Option<(Scene, Parts)>,
+    /// Whether the scene was edited or exchanged since the last trace.
+    is_forgotten: bool,
     /// The gain of the scene's sound, an amplitude factor; `None` before the first trace of a scene.
     gain: Option<f32>,
     /// Length of the responses in seconds, and the time of its estimate.
@@ -173,6 +175,7 @@ impl Hearing {
         Ok(Hearing {
             tracer: Tracer::new(context)?,
             scene: None,
+            is_forgotten: false,
             gain: None,
             length: None,
             is_cut: false,
@@ -199,7 +202,7 @@ impl Hearing {
         is_waited_for: bool,
     ) -> bool {
         let is_same = |(last, heard): &(Scene, Parts)| last == scene && heard == parts;
-        let is_another = !self.scene.as_ref().is_some_and(is_same);
+        let is_another = self.is_forgotten || !self.scene.as_ref().is_some_and(is_same);
         let early = self.early_waves.min(settings.waves);
         let is_rough = self.late_waves >= 2 * self.late_waves_heard
             || early >= 2 * self.early_waves_heard.max(1)
@@ -290,6 +293,7 @@ impl Hearing {
             self.last_late = Some(self.last_look);
         }
         self.scene = Some((scene.clone(), *parts));
+        self.is_forgotten = false;
         Ok(status)
     }
 
@@ -324,10 +328,11 @@ impl Hearing {
         if status.silences.iter().all(Option::is_some) {
             return Ok(None);
         }
-        // Waves add energy, which lowers the gain. An edited scene mostly keeps the gain that it had before.
         let found = |pair: Pair, how: &_| Response::without_waves(pair, how);
         let gain = scene_gain::of_scene(scene, LISTENER, &how, LONGEST_S, found)?;
-        let gain = self.gain.map_or(gain, |before| before.min(gain));
+        // Waves add energy, which lowers the gain. An edited scene mostly keeps the gain that it had before.
+        let before = self.gain.filter(|_| self.has_name_of(scene));
+        let gain = before.map_or(gain, |before| before.min(gain));
         let axes = ListenerAxes::of(scene.pair(0, LISTENER)?.listener())?;
         for (source, response) in responses.iter().enumerate() {
             tell(Found {
@@ -344,14 +349,19 @@ impl Hearing {
 
     /// Whether a scene was traced with this profile before.
     fn knows(&self, scene: &Scene, settings: &Settings) -> bool {
+        !self.is_forgotten && self.has_name_of(scene) && self.profile == Some(settings.profile())
+    }
+
+    /// Whether the scene of the last trace has the name of this one, which may be an edited version of it.
+    fn has_name_of(&self, scene: &Scene) -> bool {
         let last = self.scene.as_ref().map(|(last, _)| &last.name);
-        last == Some(&scene.name) && self.profile == Some(settings.profile())
+        last == Some(&scene.name)
     }
 
     /// Takes the scene of the next trace as another one, because the scene was edited: its gain, its length and its
     /// numbers of waves are chosen again.
     pub fn forget_scene(&mut self) {
-        self.scene = None;
+        self.is_forgotten = true;
     }
 
     /// Starts another scene or profile with few waves if it has marched surfaces, because the tracing time is unknown.
@@ -482,6 +492,7 @@ fn in_decibels(curve: &[f64]) -> Vec<f32> {
 mod tests {
     use super::*;
     use echomarch::gl::ContextOptions;
+    use echomarch::response::{HeardPath, PathKind};
 
     /// Protects the user of an expensive field from waiting for an estimate of the length: it is made only if it is
     /// quick.
@@ -525,5 +536,73 @@ mod tests {
         hearing.last_late = None;
         assert!(hearing.is_new(&scene, &march, &Parts::default(), false));
         assert_eq!(look(&mut hearing, &march), 2048);
+    }
+    /// A scene of this name with a box of this height between a source and a listener.
+    fn with_screen(name: &str, height: f32) -> Scene {
+        let text = format!(
+            "Scene(surfaces: [Surface(shape: Box(size: (0.2, {height}, 20)))], \
+             source: Source(position: (-2, 1, 0)), listener: Listener(position: (2, 1, 0), radius: 0.3))"
+        );
+        let mut scene = Scene::from_ron(&text, "test").unwrap();
+        scene.name = name.to_owned();
+        scene
+    }
+
+    /// Protects the first sound of another scene: its gain does not depend on a louder scene before. An edited scene
+    /// keeps a lower gain that it had before, because the waves that follow add energy.
+    #[test]
+    fn a_sketch_of_another_scene_has_a_gain_of_its_own() {
+        const LOUD: f32 = 0.01;
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let settings = Settings::hybrid();
+        let gain = |before: Option<&str>, is_edited: bool| {
+            let mut hearing = Hearing::new(&context).unwrap();
+            if let Some(name) = before {
+                hearing.scene = Some((with_screen(name, 1.0), Parts::default()));
+                hearing.profile = Some(settings.profile());
+                hearing.gain = Some(LOUD);
+            }
+            if is_edited {
+                hearing.forget_scene();
+            }
+            let mut gains = Vec::new();
+            let tell = |found: Found| {
+                gains.push(found.gain);
+                Ok(())
+            };
+            let scene = with_screen("quiet", 0.5);
+            let sketch = hearing.sketch(&scene, &settings, &Parts::default(), tell);
+            sketch.unwrap();
+            gains.first().copied()
+        };
+        let own = gain(None, false).unwrap();
+        assert!(own > 2.0 * LOUD, "{own}");
+        assert_eq!(gain(Some("loud"), false), Some(own));
+        assert_eq!(gain(Some("loud"), true), Some(own));
+        assert_eq!(gain(Some("quiet"), true), Some(LOUD));
+        assert_eq!(gain(Some("quiet"), false), None);
+    }
+
+    /// Protects the first sound of a hidden source: it has the least level that its traced response has.
+    #[test]
+    fn a_sketch_has_the_least_level() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let hearing = Hearing::new(&context).unwrap();
+        let (scene, settings) = (with_screen("wall", 9.0), Settings::hybrid());
+        let added = |least_db: Option<f64>| {
+            let mut parts = Parts::default().with_least_level(least_db);
+            parts.diffraction = false;
+            let mut paths = Vec::new();
+            let tell = |found: Found| {
+                paths.extend_from_slice(&found.response.paths);
+                Ok(())
+            };
+            hearing.sketch(&scene, &settings, &parts, tell).unwrap();
+            assert_eq!(paths.is_empty(), least_db.is_none());
+            let is_added = |path: &&HeardPath| path.kind == PathKind::Added;
+            paths.iter().filter(is_added).count()
+        };
+        assert_eq!(added(None), 0);
+        assert_eq!(added(Some(-20.0)), 1);
     }
 }
