@@ -281,16 +281,21 @@ impl Context {
     /// [`GpuError::Gl`].
     pub fn check(&self, what: &str) -> Result<(), GpuError> {
         match platform::HAS_QUICK_ERRORS {
-            true => self.check_and_wait(what),
+            true => self.first_error(what),
             false => self.check_not_lost(),
         }
     }
 
-    /// Queries the GL errors since the last call and clears them, even if that waits for the renderer.
+    /// Queries the GL errors since the last call and clears them after a read-back, even if that waits for the renderer.
     ///
     /// # Errors
-    /// As for [`check`](Context::check).
+    /// As for [`check`](Context::check). The message states that an earlier call may be the cause: in a browser, and in
+    /// release builds, most calls are not checked themselves.
     pub(super) fn check_and_wait(&self, what: &str) -> Result<(), GpuError> {
+        self.first_error(what).map_err(GpuError::or_earlier)
+    }
+
+    fn first_error(&self, what: &str) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(GpuError::lost)?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };

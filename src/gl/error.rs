@@ -228,6 +228,14 @@ impl GpuError {
         }
     }
 
+    /// Adds to the failed operation that an earlier call may have caused the error.
+    pub(super) fn or_earlier(mut self) -> GpuError {
+        if let GpuError::OutOfMemory { what } | GpuError::Gl { what, .. } = &mut self {
+            what.push_str(" (or an earlier call, whose error is reported here)");
+        }
+        self
+    }
+
     /// Whether the user's request is the cause, and not the machine or the program: a GPU or an API that does not
     /// exist, or a texture of an impossible size.
     pub fn is_bad_input(&self) -> bool {

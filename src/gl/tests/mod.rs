@@ -211,6 +211,22 @@ fn gpu_check_names_the_error() {
     });
 }
 
+/// Protects error reporting: the error of an earlier call that a read-back reports is not said to be that of the
+/// read-back alone.
+#[test]
+fn gpu_errors_at_a_read_back_name_earlier_calls() {
+    on_every_api(|api| {
+        let context = context(api);
+        // SAFETY: the context is current; GL refuses an unknown capability.
+        unsafe { context.gl().enable(0xFFFF) };
+        let error = context.check_and_wait("the read-back of a texture");
+        let error = error.unwrap_err().to_string();
+        let told = "GL_INVALID_ENUM in the read-back of a texture (or an earlier call,";
+        assert!(error.contains(told), "{error}");
+        context.check("the test").unwrap();
+    });
+}
+
 /// Protects the times of passes: each is positive, and software renderers use the wall clock.
 #[test]
 fn gpu_timers_measure() {
