@@ -363,6 +363,30 @@ impl Echogram {
         }
     }
 
+    /// Number of independent waves of equal energy whose sum would be as noisy as the energy of a band in bins that begin
+    /// at `from_s` seconds or later: the number of batches times the squared mean of their energies over the variance.
+    /// Waves that arrive repeatedly, and copies of a wave, count once. Infinite if all batches are equal, also if there is
+    /// one, and otherwise 0 without energy.
+    pub(super) fn independent_waves(&self, band: usize, from_s: f64) -> f64 {
+        if self.batches() < 2 {
+            return f64::INFINITY;
+        }
+        let later = self.bins_from(from_s);
+        let batches = self.batches() as f64;
+        let of_batch = |batch: usize| -> f64 {
+            let energies = later.clone().map(|bin| self.batch_energy(bin, batch)[band]);
+            energies.sum()
+        };
+        let energies: Vec<f64> = (0..self.batches()).map(of_batch).collect();
+        let mean = energies.iter().sum::<f64>() / batches;
+        let squares = energies.iter().map(|energy| (energy - mean).powi(2));
+        let variance = squares.sum::<f64>() / (batches - 1.0);
+        match mean > 0.0 {
+            true => batches * mean * mean / variance,
+            false => 0.0,
+        }
+    }
+
     /// The bins that begin at `from_s` seconds or later.
     pub(super) fn bins_from(&self, from_s: f64) -> Range<usize> {
         let first = ((from_s - self.first_s) / self.bin_s).ceil().max(0.0) as usize;
@@ -442,6 +466,34 @@ mod tests {
         assert_eq!(echogram.flow(3)[1], DVec3::X * 4.0);
         assert_eq!(echogram.total()[2], 9.0);
         assert_eq!(echogram.energy(4), [0.0; BAND_COUNT]);
+    }
+
+    /// Protects the number of independent waves: repeated arrivals of a wave count once, also where the number of arrivals
+    /// of equal energy is far greater.
+    #[test]
+    fn repeated_arrivals_of_a_wave_are_one_independent_wave() {
+        const BATCHES: usize = 16;
+        const EACH: usize = 50;
+        let mut random = fastrand::Rng::with_seed(1);
+        let mut counts = Vec::new();
+        for _ in 0..200 {
+            let mut echogram = Echogram::new(1e-3, BATCHES).expect("a good bin");
+            for _ in 0..100 {
+                let batch = random.usize(..BATCHES);
+                for _ in 0..EACH {
+                    let seconds = 0.1 * random.f64();
+                    echogram
+                        .add(batch, seconds, &[1.0; BAND_COUNT], DVec3::X)
+                        .unwrap();
+                }
+            }
+            assert!((echogram.effective_arrivals(0, 0.0) - 5000.0).abs() < 1e-6);
+            counts.push(echogram.independent_waves(0, 0.0));
+        }
+        counts.sort_by(f64::total_cmp);
+        assert!((counts[100] / 100.0 - 1.0).abs() < 0.15, "{}", counts[100]);
+        let silent = Echogram::new(1e-3, BATCHES).expect("a good bin");
+        assert_eq!(silent.independent_waves(0, 0.0), 0.0);
     }
 
     /// Protects the loss in air: by band, and by the length of the path.

@@ -10,6 +10,12 @@ use crate::response::Echogram;
 /// reduce may use up the remainder.
 const LEAST_NOISE_SHARE: f64 = 0.5;
 
+/// Minimum number of independent waves after the end of a decay for an accuracy. Rounds end when the noise is small, and
+/// the noise of few independent waves is small if strong waves are missing by chance. In eight rooms with two hard walls
+/// and scattering 0.1, 12 seeds each, T30 with an accuracy of 5 % was then within two standard errors in 82 % of the cases
+/// without a minimum, in 92 % with 100 and in 96 % with 200 independent waves.
+const LEAST_INDEPENDENT_WAVES: f64 = 200.0;
+
 /// Factors of the numbers of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::response) struct Growth {
@@ -89,7 +95,8 @@ impl Need {
 pub(in crate::response) struct Demand {
     /// The variance of the noise relative to the variance that the accuracy allows.
     pub noise: Need,
-    /// Until the figure is reported; 0 if it is, and if its noise alone withholds it.
+    /// Until the figure is reported and enough independent waves arrive after the end of its decay. 0 if its noise alone
+    /// withholds it.
     pub least: Need,
 }
 
@@ -214,6 +221,8 @@ impl Figures {
             Some(Withheld::Noise(Some(_))) => 0.0,
             _ => self.waves_to_report(band, figure).unwrap_or(0.0),
         };
+        let independent = precision.independent_waves;
+        let least = least.max(independent.map_or(0.0, |waves| LEAST_INDEPENDENT_WAVES / waves));
         let tolerance = Figures::tolerance(accuracy, figure, value);
         let error = self.errors[band].list()[figure].unwrap_or(0.0);
         let noise = match precision.noise {

@@ -26,6 +26,7 @@ pub(super) use demand::Need;
 pub(super) use demand::{Demand, Growth, Parts};
 pub(crate) use differences::Differences;
 pub(crate) use pieces::Record;
+use precision::Arrivals;
 pub use precision::Precision;
 pub(crate) use precision::Withheld;
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
@@ -226,8 +227,13 @@ impl Figures {
         let has_batches = echogram.batches() > 1;
         for (band, list) in lists.iter().enumerate() {
             let arrivals = |after_s: f64| echogram.effective_arrivals(band, begins_s + after_s);
-            let counts = (arrivals(0.0), decays_end_s[band].map(arrivals));
-            let precision = Figures::precision_of(&halves, band, list, counts);
+            let independent = |after_s: f64| echogram.independent_waves(band, begins_s + after_s);
+            let arrivals = Arrivals {
+                all: arrivals(0.0),
+                after_decays: decays_end_s[band].map(arrivals),
+                independent_waves: decays_end_s[band].map(independent),
+            };
+            let precision = Figures::precision_of(&halves, band, list, &arrivals);
             (figures.bands[band], figures.errors[band]) =
                 Figures::reported(&precision, has_batches);
             figures.precision[band] = precision;

@@ -19,6 +19,10 @@ pub struct Precision {
     /// Number of arrivals of equal energy after the end of the decay. `None` except for decay times.
     #[serde(serialize_with = "finite")]
     pub arrivals: Option<f64>,
+    /// Number of independent waves of equal energy after the end of the decay, from the spread over the batches: copies of
+    /// a wave and repeated arrivals count once. `None` except for decay times, without batches, and without noise.
+    #[serde(serialize_with = "finite")]
+    pub independent_waves: Option<f64>,
 }
 
 /// Why a figure that is defined is not reported.
@@ -31,6 +35,16 @@ pub(crate) enum Withheld {
     Noise(Option<f64>),
     /// One further arrival in a band with few arrivals changes the figure by more than a just noticeable difference.
     FewWaves,
+}
+
+/// The arrivals of a band.
+pub(super) struct Arrivals {
+    /// Number of arrivals of equal energy.
+    pub all: f64,
+    /// Their number after the end of each decay.
+    pub after_decays: [f64; DECAY_TIMES],
+    /// Number of independent waves of equal energy after the end of each decay.
+    pub independent_waves: [f64; DECAY_TIMES],
 }
 
 /// Factor of the number of waves if the noise is unknown: half of the waves do not give the figure.
@@ -97,13 +111,17 @@ impl Figures {
         halves: &Halves,
         band: usize,
         list: &List,
-        (arrivals, in_decays): (f64, [f64; DECAY_TIMES]),
+        arrivals: &Arrivals,
     ) -> [Precision; FIGURE_COUNT] {
-        let noise = halves.noise(band, list, arrivals);
-        std::array::from_fn(|figure| Precision {
-            value: list[figure].filter(|value| value.is_finite()),
-            noise: noise[figure],
-            arrivals: in_decays.get(figure).copied(),
+        let noise = halves.noise(band, list, arrivals.all);
+        std::array::from_fn(|figure| {
+            let independent = arrivals.independent_waves.get(figure).copied();
+            Precision {
+                value: list[figure].filter(|value| value.is_finite()),
+                noise: noise[figure],
+                arrivals: arrivals.after_decays.get(figure).copied(),
+                independent_waves: independent.filter(|waves| waves.is_finite()),
+            }
         })
     }
 
@@ -117,6 +135,7 @@ impl Figures {
                 value,
                 noise,
                 arrivals,
+                ..
             } = precision[figure];
             if !has_batches {
                 return true;

@@ -334,6 +334,42 @@ fn long_records_are_whole() {
     assert_eq!(refused, Err(ResponseError::BadLength { seconds: 61.0 }));
 }
 
+/// Protects accuracies from noise that is small by chance: a decay whose end rests on few independent waves asks for more
+/// waves, although all its arrivals are many and its noise is small.
+#[test]
+fn few_independent_waves_after_a_decay_ask_for_more() {
+    const BATCHES: usize = 16;
+    let figures = |spread: f64| {
+        let mut echogram = Echogram::new(1e-3, BATCHES).expect("a good bin");
+        for bin in 0..600 {
+            let energy = 10_f64.powf(-0.01 * f64::from(bin));
+            for batch in 0..BATCHES {
+                // After the decay by 30 dB the batches differ.
+                let sign = if batch % 2 == 0 { 1.0 } else { -1.0 };
+                let part = if bin > 300 { 1.0 + sign * spread } else { 1.0 };
+                for arrival in 0..4 {
+                    let seconds = 1e-3 * (f64::from(bin) + 0.25 * f64::from(arrival) + 0.1);
+                    echogram
+                        .add(batch, seconds, &[part * energy; BAND_COUNT], DVec3::X)
+                        .unwrap();
+                }
+            }
+        }
+        Figures::new(&[], &echogram, Some(0.0), 0.6)
+    };
+    let t30 = 2;
+    let (even, uneven) = (figures(0.05), figures(0.5));
+    let of = |figures: &Figures| figures.precision[0][t30];
+    let share = of(&uneven).noise.unwrap() / of(&uneven).value.unwrap();
+    assert!(share < 0.04, "{share}");
+    // 16 batches with a standard deviation of 0.516.
+    assert_near(of(&uneven).independent_waves, 60.0, 0.01);
+    assert_eq!(even.is_accurate(0.05, 0, t30), Some(true));
+    assert_eq!(uneven.is_accurate(0.05, 0, t30), Some(false));
+    let growth = uneven.waves_for(0.05);
+    assert!((3.2..3.5).contains(&growth), "{growth}");
+}
+
 /// Protects rounds from panics, and from waves without end: a record that ends within its decay has no arrivals after it,
 /// and no number of waves reports its decay times.
 #[test]
