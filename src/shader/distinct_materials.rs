@@ -35,14 +35,15 @@ pub(super) fn distinct(all: impl Iterator<Item = Distinct>) -> Vec<Distinct> {
 }
 
 /// Whether a line that enters the solid of a surface (counted from 0) can leave it again. The solids of rooms, planes
-/// and half-spaces have no far side. Other unbounded solids are treated like bounded ones.
-/// Waves of the late part do not pass meshes, because the far ends of their ways would take too long to find.
+/// and half-spaces have no far side, and those around meshes and `Rooms` only between their parts. Other unbounded solids
+/// are treated like bounded ones.
 pub(super) fn has_far_side(scene: &Scene, index: usize) -> bool {
-    let node = &scene.surfaces[index].shape.node;
-    !matches!(
-        node,
-        Node::Room(_) | Node::Rooms(_) | Node::Plane(_) | Node::HalfSpace(_) | Node::Mesh(_)
-    )
+    match &scene.surfaces[index].shape.node {
+        Node::Room(_) | Node::Plane(_) | Node::HalfSpace(_) => false,
+        Node::Rooms(of) => of.mesh().has_far_side(),
+        Node::Mesh(of) => of.mesh.has_far_side(),
+        _ => true,
+    }
 }
 
 /// All surfaces by their index, and instead of each room its walls.

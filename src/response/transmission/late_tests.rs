@@ -4,14 +4,16 @@ use super::of_wave;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::geometry::ExactScene;
 use crate::response::{Arrival, PathKind, Response, ResponseSettings};
-use crate::scene::shape::{Cuboid, Prism, Room};
+use crate::scene::mesh::tests::box_faces;
+use crate::scene::mesh::{MeshOptions, TriangleMesh};
+use crate::scene::shape::{AirBox, Cuboid, Mesh, Prism, Room, Rooms};
 use crate::scene::{Directivity, Material, Transmission};
 use crate::test_common::tracer;
 use crate::tracer::{ArrivalSettings, Detector, FarEnd, SolidHit, Transmitting, WavesToFollow};
 use crate::{Listener, Scene, Settings, Source, Surface};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::PI;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Two rooms of 4.9 × 5 × 5 m with a wall of 0.2 m between them, and the source in the middle of the first.
 const SIZE: Vec3 = Vec3::new(10.0, 5.0, 5.0);
@@ -187,6 +189,50 @@ fn split_walls_pass_what_one_wall_passes() {
     let off_db = [db(touching / whole), db(apart / whole)];
     // The noise of waves that pass two leaves is 0.2 dB.
     assert!(off_db[0].abs() < 0.2 && off_db[1].abs() < 0.5, "{off_db:?}");
+}
+
+/// Protects meshes and `Rooms`: their solids pass what the same wall as a box passes, on the exact path and in the waves
+/// of the late part.
+#[test]
+fn meshes_pass_what_boxes_pass() {
+    let wall = reduced_by(10.0);
+    let with_box = rooms(vec![leaf(0.0, WALL_M)], wall.clone(), 0.1);
+    let size = Vec3::new(WALL_M, SIZE.y + 1.0, SIZE.z + 1.0).as_dvec3();
+    let mesh = TriangleMesh::new("leaf", box_faces(size), MeshOptions::default());
+    let mesh = Surface::new(Mesh {
+        mesh: Arc::new(mesh.expect("a mesh")),
+    });
+    let with_mesh = rooms(vec![mesh.with_material("wall")], wall.clone(), 0.1);
+    // All walls of `Rooms` have one material.
+    let same = Material {
+        absorption: [0.1; BAND_COUNT],
+        ..wall
+    };
+    let mut one_material = rooms(vec![leaf(0.0, WALL_M)], same.clone(), 0.1);
+    one_material
+        .materials
+        .insert("plaster".to_owned(), same.clone());
+    let half = 0.5 * SIZE;
+    let air = |name: &str, from_x: f32, to_x: f32| AirBox {
+        name: name.to_owned(),
+        from: half.with_x(from_x) * Vec3::new(1.0, -1.0, -1.0),
+        to: half.with_x(to_x),
+    };
+    let boxes = [
+        air("first", -half.x, -0.5 * WALL_M),
+        air("second", 0.5 * WALL_M, half.x),
+    ];
+    let mut as_rooms = one_material.clone();
+    let both = Surface::new(Rooms::new(boxes).expect("rooms"));
+    as_rooms.surfaces = vec![both.with_material("wall")];
+    for (one, other) in [(&with_box, &with_mesh), (&one_material, &as_rooms)] {
+        let [one, other] = [one, other].map(|scene| respond(scene, 1.5));
+        let late_db = db(other.echogram.total()[4] / one.echogram.total()[4]);
+        assert!(late_db.abs() < 0.3, "{late_db} dB");
+        assert_eq!(one.paths[0].kind, PathKind::Transmitted);
+        let path_db = db(other.paths[0].energy[4] / one.paths[0].energy[4]);
+        assert!(path_db.abs() < 1e-3, "{path_db} dB");
+    }
 }
 
 /// The far end of a hit at x = −0.1, at this angle.

@@ -95,6 +95,7 @@ pub(super) fn checked(
         tree: OnceLock::new(),
         facets: OnceLock::new(),
         cells: OnceLock::new(),
+        has_far_side: OnceLock::new(),
     };
     mesh.report.intersections = intersections(&mesh);
     mesh.report.overlays = overlays(&mesh);

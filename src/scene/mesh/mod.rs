@@ -116,6 +116,7 @@ pub struct TriangleMesh {
     tree: OnceLock<Tree>,
     facets: OnceLock<Facets>,
     cells: OnceLock<MeshCells>,
+    has_far_side: OnceLock<bool>,
 }
 
 impl PartialEq for TriangleMesh {
@@ -126,6 +127,9 @@ impl PartialEq for TriangleMesh {
 
 /// Maximum number of groups, so that the index of a group is a byte.
 const MOST_GROUPS: usize = 255;
+
+/// Number of the largest faces at which the solid around a room is tried for a far side.
+const MOST_FACES_TRIED: usize = 4096;
 
 /// Maximum number of triangles. A mesh of this size takes about 1 GB of memory while it is indexed.
 pub(crate) const MOST_TRIANGLES: usize = 2_000_000;
@@ -279,6 +283,30 @@ impl TriangleMesh {
     /// Greatest distance in metres of a corner from the plane of its facet.
     pub(crate) fn flatness(&self) -> f64 {
         self.facets.get_or_init(|| Facets::of(self)).flatness()
+    }
+
+    /// Whether a line can pass the solid: always if the mesh is an object. The solid around a room has a far side if the
+    /// normal at the centre of one of its largest faces meets another face of it, as in a wall between two rooms.
+    pub(crate) fn has_far_side(&self) -> bool {
+        *self
+            .has_far_side
+            .get_or_init(|| !self.report.is_hollow || self.has_wall_between_rooms())
+    }
+
+    fn has_wall_between_rooms(&self) -> bool {
+        let mut largest: Vec<Triangle> = self.triangles().collect();
+        largest.sort_by(|a, b| b.area().total_cmp(&a.area()));
+        largest.truncate(MOST_FACES_TRIED);
+        largest.iter().any(|face| {
+            let [a, b, c] = face.exact_corners();
+            let (centre, inward) = ((a + b + c) / 3.0, -face.exact_normal());
+            let mut is_passed = false;
+            self.tree().each_on_line(centre, inward, |index| {
+                let far = self.triangle(index).reversed();
+                is_passed |= far.hit(centre, inward, 0.0).is_some();
+            });
+            is_passed
+        })
     }
 
     /// The grid of cells for the GPU.

@@ -39,6 +39,23 @@ fn mesh(faces: MeshFaces, inside: Option<Inside>) -> Result<TriangleMesh, MeshEr
     TriangleMesh::new("test", faces, options)
 }
 
+/// Protects the search for walls between rooms, which waves of the late part pass: objects have a far side, one convex
+/// room has none, and two rooms in one mesh have one.
+#[test]
+fn solids_between_rooms_have_a_far_side() {
+    let size = DVec3::new(4.0, 3.0, 2.0);
+    let of = |faces: MeshFaces, inside| mesh(faces, Some(inside)).expect("a mesh").has_far_side();
+    assert!(of(box_faces(size), Inside::Solid));
+    assert!(!of(box_faces(size), Inside::Air));
+    let (mut both, next) = (box_faces(size), box_faces(size));
+    let beside = next.vertices.iter().map(|corner| *corner + DVec3::X * 4.2);
+    both.vertices.extend(beside);
+    let corners = next.triangles.iter().map(|corners| corners.map(|n| n + 8));
+    both.triangles.extend(corners);
+    both.group_of.extend(next.group_of);
+    assert!(of(both, Inside::Air));
+}
+
 /// Protects volume, area and the side of the air: a box with normals out of it is a solid object, and a hollow room if
 /// this is stated.
 #[test]

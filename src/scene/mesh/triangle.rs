@@ -41,6 +41,12 @@ impl Triangle {
         cross.normalize_or(self.normal.as_dvec3())
     }
 
+    /// Area in m².
+    pub fn area(&self) -> f64 {
+        let [a, b, c] = self.exact_corners();
+        0.5 * (b - a).cross(c - a).length()
+    }
+
     /// The triangle with its other side towards the air.
     pub fn reversed(&self) -> Triangle {
         let [a, b, c] = self.corners;
