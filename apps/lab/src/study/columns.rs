@@ -21,9 +21,6 @@ const ERROR_TO_RANGE: f64 = 10.0;
 /// Rounding error by which a share or a time may exceed its limit.
 const ROUNDING: f64 = 1e-9;
 
-/// The column of the number of waves.
-const WAVES: &str = "waves";
-
 /// A column of the joined tables.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Column {
@@ -251,16 +248,10 @@ impl Kept {
         self.pan || self.counts || self.exact
     }
 
-    /// The column of the number of waves that a response traced; `None` if that number is the one of the settings, because
-    /// the study asks for no accuracy. Beside frames, which trace the waves of the settings, the column has a name of its
-    /// own.
-    pub(super) fn column_of_waves(&self) -> Option<&'static str> {
-        let (response, _) = self.response.as_ref()?;
-        response.accuracy.as_ref()?;
-        Some(match self.traces_frames() {
-            true => "response_waves",
-            false => WAVES,
-        })
+    /// Whether the number of waves of the responses is a result: with an accuracy.
+    pub(super) fn states_waves(&self) -> bool {
+        let accuracy = |(response, _): &(ResponseSettings, _)| response.accuracy.is_some();
+        self.response.as_ref().is_some_and(accuracy)
     }
 
     /// The columns of the results. Counts of waves are at most `waves`, and counts of marches are at most `marches`.
@@ -289,9 +280,9 @@ impl Kept {
             let range = Range::new(-1.0 - ROUNDING, 1.0 + ROUNDING);
             columns.push(Column::within("exact_pan", Kind::Real, range));
         }
-        if let Some(name) = self.column_of_waves() {
+        if self.states_waves() {
             let range = Range::new(0.0, f64::from(Settings::MAX_WAVES));
-            columns.push(Column::within(name, Kind::Whole, range));
+            columns.push(Column::within("response_waves", Kind::Whole, range));
         }
         if let Some((_, response)) = &self.response {
             columns.extend(response.columns());
@@ -325,7 +316,7 @@ impl Study {
         for (name, kind) in [
             ("profile", Kind::Text),
             ("directions", Kind::Text),
-            (WAVES, Kind::Whole),
+            ("waves", Kind::Whole),
             ("iterations", Kind::Whole),
             ("source_x_m", Kind::Real),
             ("source_y_m", Kind::Real),
@@ -335,17 +326,9 @@ impl Study {
             ("listener_z_m", Kind::Real),
             ("seed", Kind::Whole),
         ] {
-            if name != WAVES || self.identifies_waves() {
-                columns.push(Column::new(name, kind));
-            }
+            columns.push(Column::new(name, kind));
         }
         columns
-    }
-
-    /// Whether the number of waves of the settings is among the columns that identify a point. Otherwise it has no effect,
-    /// and the results state the number.
-    pub(super) fn identifies_waves(&self) -> bool {
-        self.keep.column_of_waves() != Some(WAVES)
     }
 
     /// All columns, in order.

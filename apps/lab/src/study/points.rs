@@ -86,9 +86,7 @@ impl Study {
         }
         cells.push(Cell::text(case.settings.profile().to_string()));
         cells.push(Cell::text(case.settings.directions.to_string()));
-        if self.identifies_waves() {
-            cells.push(case.settings.waves.into());
-        }
+        cells.push(case.settings.waves.into());
         cells.push(case.settings.iterations.into());
         let source = self.source_of(point).unwrap_or(posed.sources[0].position);
         let listener = self

@@ -132,7 +132,12 @@ impl<'a> Worker<'a> {
             return Ok(Vec::new());
         };
         let first = &block[group[0]];
-        let how = how.clone().with_trace_of_frames(&self.settings(first));
+        let mut frames = self.settings(first);
+        if how.accuracy.is_some() {
+            // The accuracy determines the waves of a response.
+            frames.waves = ResponseSettings::default().trace.waves;
+        }
+        let how = how.clone().with_trace_of_frames(&frames);
         let mut scene = self.scene(first)?.0.clone();
         let listener = scene.listeners[0].clone();
         let at_point = |index: &usize| {
@@ -148,7 +153,7 @@ impl<'a> Worker<'a> {
         let pairs = (0..group.len()).map(|listener| scene.pair(0, listener));
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
         let responses = Response::trace_pairs(&mut self.tracer, &pairs, &how)?;
-        let states_waves = self.study.keep.column_of_waves().is_some();
+        let states_waves = self.study.keep.states_waves();
         let responses = responses.iter().zip(pairs);
         let cells = responses.map(|(one, pair)| {
             let waves = states_waves.then(|| Cell::from(one.waves));
