@@ -117,6 +117,7 @@ impl Tracer {
                 None => Materials::of(pair.scene, how.bands.clone()),
                 Some(_) => Materials::with_transmission(pair.scene, how.bands.clone()),
             };
+            let materials = (materials, waves.count());
             let mut run = tracer.prepare_arrivals((pair, detectors), &settings, how, materials)?;
             run.first_wave = waves.first();
             let mut counts = ArrivalCounts {

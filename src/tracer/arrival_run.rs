@@ -101,7 +101,7 @@ impl Tracer {
         (pair, detectors): (Pair, &[Detector]),
         settings: &Settings,
         how: &ArrivalSettings,
-        materials: Materials,
+        (materials, waves): (Materials, u32),
     ) -> Result<Run, Error> {
         let scene = pair.scene;
         let profile = settings.profile();
@@ -164,7 +164,7 @@ impl Tracer {
         let frame = PreparedFrame::new(pair, &settings, compiled, budget, programs, now);
         let value = |one: &Detector| compiled.local(one.position).extend(one.radius);
         let detector_values = detectors.iter().map(value).collect();
-        self.provide_arrival_targets(&settings, &text)?;
+        self.provide_arrival_targets(waves, &text)?;
         Ok(Run {
             first_wave: 0,
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
@@ -200,14 +200,11 @@ impl Tracer {
         })
     }
 
-    /// Creates the textures, unless existing ones match these waves.
-    fn provide_arrival_targets(
-        &mut self,
-        settings: &Settings,
-        text: &ArrivalsText,
-    ) -> Result<(), Error> {
-        let grid = Grid::new(settings.waves.min(WAVES_IN_BLOCK));
-        let will_do = |known: &ArrivalTargets| known.grid.waves >= grid.waves && known.is_for(text);
+    /// Creates the textures, unless existing ones match this number of waves. Larger textures do not: the order of the
+    /// waves that are resampled depends on the size, and the results would depend on earlier traces.
+    fn provide_arrival_targets(&mut self, waves: u32, text: &ArrivalsText) -> Result<(), Error> {
+        let grid = Grid::new(waves.clamp(1, WAVES_IN_BLOCK));
+        let will_do = |known: &ArrivalTargets| known.grid == grid && known.is_for(text);
         if !self.arrival_targets.as_ref().is_some_and(will_do) {
             // The old textures are dropped before the new ones are created.
             self.arrival_targets = None;

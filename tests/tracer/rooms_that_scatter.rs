@@ -7,7 +7,7 @@
 use crate::common::rays::{Echoes, Estimate, RoomWithBoxes, Sums, Wall};
 use crate::common::{Random, tracer};
 use echomarch::glam::DVec3;
-use echomarch::response::{Response, ResponseSettings};
+use echomarch::response::{Accuracy, Response, ResponseSettings};
 use echomarch::scene::Material;
 use echomarch::scene::shape::{Cuboid, Room};
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
@@ -269,6 +269,31 @@ fn sound_scattered_nearby_is_counted_at_the_listener() {
     let room = corner();
     let response = respond(&mut tracer, &room, 1 << 17, 1);
     assert_holds(&response, &room.echoes(300_000, 0.5, 5));
+}
+
+/// Protects results from earlier traces: a response with an accuracy, whose last rounds have more waves than its first
+/// one, is the same when it is repeated.
+#[test]
+fn results_do_not_depend_on_earlier_traces() {
+    let text = r#"Scene(
+        name: "soft", scattering: 0.15, air: Air(temperature: 20, humidity: 50),
+        surfaces: [Surface(
+            shape: Room(size: (7.2, 2.8, 5.1)), material: "plaster",
+            walls: Walls(floor: "carpet", ceiling: "mineral-wool"),
+        )],
+        source: Source(position: (-2, 0, -1.5)),
+        listener: Listener(position: (2.3, -0.2, 1.1), radius: 0.5),
+    )"#;
+    let scene = Scene::from_ron(text, "soft").expect("a scene");
+    let mut tracer = tracer();
+    let mut respond = || {
+        let settings = ResponseSettings::default().with_accuracy(Accuracy::new(0.05));
+        Response::trace(&mut tracer, &scene, &settings).expect("a response")
+    };
+    let (before, after) = (respond(), respond());
+    assert!(before.waves > 1 << 13, "{} waves", before.waves);
+    assert_eq!(before.waves, after.waves);
+    assert!(before.echogram == after.echogram && before.figures == after.figures);
 }
 
 /// Protects the time origin of a hidden source: it does not depend on the number of waves, and the figures differ only

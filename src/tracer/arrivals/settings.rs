@@ -125,12 +125,22 @@ impl WavesToFollow<'_> {
         }
     }
 
-    /// The numbers of the waves, divided into blocks of `waves` numbers.
-    pub(in crate::tracer) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
-        let Range { start, end } = match self {
+    /// The numbers of the waves.
+    fn numbers(&self) -> Range<u32> {
+        match self {
             WavesToFollow::Numbers(numbers) => numbers.clone(),
             WavesToFollow::Starts { waves, .. } => 0..*waves,
-        };
+        }
+    }
+
+    /// Number of waves.
+    pub(in crate::tracer) fn count(&self) -> u32 {
+        self.numbers().len() as u32
+    }
+
+    /// The numbers of the waves, divided into blocks of `waves` numbers.
+    pub(in crate::tracer) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
+        let Range { start, end } = self.numbers();
         let first = (start..end).step_by(waves as usize);
         first.map(move |first| first..first.saturating_add(waves).min(end))
     }
