@@ -9,9 +9,10 @@ use std::fmt;
 /// The accuracy of a response's figures, and the limits of the effort for it.
 ///
 /// Waves are traced in rounds. The errors of a round determine the number of waves of the next round. The last round
-/// is the result. Where surfaces scatter in all bands and the source radiates evenly, a part of the waves ends after the
-/// first sixth of the record ([`onset_waves`](super::Response::onset_waves)), and a round adds its waves to those of the
-/// rounds before. Otherwise the result equals a response with the same number of late waves
+/// is the result. Rounds also continue until 200 independent waves arrive after the end of each decay, because the errors
+/// of fewer waves may be too small. Where surfaces scatter in all bands and the source radiates evenly, a part of the waves
+/// ends after the first sixth of the record ([`onset_waves`](super::Response::onset_waves)), and a round adds its waves to
+/// those of the rounds before. Otherwise the result equals a response with the same number of late waves
 /// ([`late_waves`](super::ResponseSettings::late_waves)).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]

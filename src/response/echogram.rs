@@ -11,6 +11,9 @@ use std::ops::{Range, RangeInclusive};
 /// ([`Echogram::beyond`]).
 pub(super) const MAX_BINS: usize = 1 << 16;
 
+/// Minimum number of batches whose spread gives a number of independent waves: 16 batches give it to 37 %.
+const LEAST_BATCHES: usize = 16;
+
 /// The sound arriving at a listener over time: energy, and energy × direction, by octave band.
 ///
 /// Energies are densities for a source of unit power, times the speed of sound, in 1/m²: the direct sound at r metres
@@ -365,26 +368,21 @@ impl Echogram {
 
     /// Number of independent waves of equal energy whose sum would be as noisy as the energy of a band in bins that begin
     /// at `from_s` seconds or later: the number of batches times the squared mean of their energies over the variance.
-    /// Waves that arrive repeatedly, and copies of a wave, count once. Infinite if all batches are equal, also if there is
-    /// one, and otherwise 0 without energy.
-    pub(super) fn independent_waves(&self, band: usize, from_s: f64) -> f64 {
-        if self.batches() < 2 {
-            return f64::INFINITY;
+    /// Waves that arrive repeatedly, and copies of a wave, count once. `None` without energy, if all batches are equal,
+    /// and with fewer than [`LEAST_BATCHES`] batches.
+    pub(super) fn independent_waves(&self, band: usize, from_s: f64) -> Option<f64> {
+        let mut energies = vec![0.0; self.batches()];
+        for bin in self.bins_from(from_s) {
+            for (energy, of) in energies.iter_mut().zip(self.in_bin(bin)) {
+                *energy += of[band];
+            }
         }
-        let later = self.bins_from(from_s);
-        let batches = self.batches() as f64;
-        let of_batch = |batch: usize| -> f64 {
-            let energies = later.clone().map(|bin| self.batch_energy(bin, batch)[band]);
-            energies.sum()
-        };
-        let energies: Vec<f64> = (0..self.batches()).map(of_batch).collect();
+        let batches = energies.len() as f64;
         let mean = energies.iter().sum::<f64>() / batches;
         let squares = energies.iter().map(|energy| (energy - mean).powi(2));
         let variance = squares.sum::<f64>() / (batches - 1.0);
-        match mean > 0.0 {
-            true => batches * mean * mean / variance,
-            false => 0.0,
-        }
+        let is_known = energies.len() >= LEAST_BATCHES && mean > 0.0 && variance > 0.0;
+        is_known.then(|| batches * mean * mean / variance)
     }
 
     /// The bins that begin at `from_s` seconds or later.
@@ -488,12 +486,13 @@ mod tests {
                 }
             }
             assert!((echogram.effective_arrivals(0, 0.0) - 5000.0).abs() < 1e-6);
-            counts.push(echogram.independent_waves(0, 0.0));
+            counts.extend(echogram.independent_waves(0, 0.0));
         }
+        assert_eq!(counts.len(), 200);
         counts.sort_by(f64::total_cmp);
         assert!((counts[100] / 100.0 - 1.0).abs() < 0.15, "{}", counts[100]);
         let silent = Echogram::new(1e-3, BATCHES).expect("a good bin");
-        assert_eq!(silent.independent_waves(0, 0.0), 0.0);
+        assert_eq!(silent.independent_waves(0, 0.0), None);
     }
 
     /// Protects the loss in air: by band, and by the length of the path.

@@ -37,6 +37,10 @@ const LONGER: f64 = 1.5;
 /// is unknown. Ten times this share withholds figures.
 const MOST_CUT_OFF: f64 = 1e-3;
 
+/// The share of the greatest energy beyond the record of a defined T30 (3 dB less) from which on a further round has a
+/// longer record, if T30 is not defined for half of the waves: their decays end somewhat earlier or later.
+const MOST_CUT_OFF_IN_HALVES: f64 = 0.5;
+
 /// The least growth of a kind of waves for a further round. With less growth a round would not change the figures
 /// noticeably.
 const NOTICEABLE_GROWTH: f64 = 1.05;
@@ -383,15 +387,16 @@ fn decays(pair: Pair) -> bool {
     pair.scene.has_materials() || pair.scene.air.is_some()
 }
 
-/// Whether a longer record is needed: the decay of a band does not end in this one, or it is known and T30 is not defined.
-/// `energy` is that of all arrivals by band.
+/// Whether a longer record is needed: the decay of a band does not end in this one, or it is known and T30 is not defined
+/// for all waves or for half of them. `energy` is that of all arrivals by band.
 fn is_cut_off(figures: &Figures, energy: &Bands) -> bool {
     let mut heard = (0..BAND_COUNT).filter(|band| energy[*band] > 0.0);
     heard.any(|band| {
-        let most = match figures.bands[band].edt_s {
-            Some(_) => Figures::most_cut_off(),
+        let most = match (figures.bands[band].edt_s, figures.lacks_t30_in_halves(band)) {
+            (Some(_), false) => Figures::most_cut_off(),
+            (Some(_), true) => MOST_CUT_OFF_IN_HALVES * Figures::most_cut_off(),
             // A few late arrivals do not show a decay.
-            None => MOST_CUT_OFF,
+            (None, _) => MOST_CUT_OFF,
         };
         figures.cut_off[band].is_none_or(|share| share > most)
     })

@@ -108,9 +108,7 @@ pub(super) fn response(
         milliseconds: 0.0,
         diffraction_milliseconds,
     };
-    if let Some(least_db) = settings.least_level_db {
-        least_level::raise(&mut response, pair, medium, least_db);
-    }
+    least_level::raise(&mut response, pair, medium, settings);
     Ok(Some(Traced {
         response,
         in_own_sphere,

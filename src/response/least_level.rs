@@ -1,14 +1,21 @@
 //! The least level of a source: energy that is added so that a hidden source does not vanish.
 
-use super::Response;
 use super::omnidirectional_path::Path;
 use super::source_sound::{HeardPath, Medium, PathKind};
+use super::{Response, ResponseSettings};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Pair;
 
-/// Adds a path with the energy that is missing in bands below the least level, if any. `least_db` is relative to the
-/// direct sound in the open, in decibels.
-pub(super) fn raise(response: &mut Response, pair: Pair, medium: &Medium, least_db: f64) {
+/// Adds a path with the energy that is missing in bands below the least level of the settings, if any.
+pub(super) fn raise(
+    response: &mut Response,
+    pair: Pair,
+    medium: &Medium,
+    settings: &ResponseSettings,
+) {
+    let Some(least_db) = settings.least_level_db else {
+        return;
+    };
     let Some(straight) = straight(pair, medium) else {
         return;
     };

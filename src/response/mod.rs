@@ -281,7 +281,7 @@ impl Response {
     }
 
     /// The paths of a pair that are found without waves, and therefore without a renderer: the direct sound, reflections at
-    /// planes, and paths around and through obstacles. The settings need a length.
+    /// planes, paths around and through obstacles, and the path that the least level adds. The settings need a length.
     ///
     /// # Errors
     /// The errors of [`Scene::validate`](crate::Scene::validate), and [`Error::Acoustics`] for bins out of range.
@@ -298,9 +298,7 @@ impl Response {
         let seconds = settings.seconds.unwrap_or(settings.longest_s);
         let early = EarlySound::find(&heard, settings, seconds, (Vec::new(), Vec::new()))?;
         let mut response = early.alone(medium, settings, seconds)?;
-        if let Some(least_db) = settings.least_level_db {
-            least_level::raise(&mut response, pair, medium, least_db);
-        }
+        least_level::raise(&mut response, pair, medium, settings);
         Ok(response)
     }
 

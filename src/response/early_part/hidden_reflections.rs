@@ -12,10 +12,6 @@ pub(super) struct HiddenReflections {
     of_candidate: Vec<Option<usize>>,
 }
 
-/// Maximum height of a point of a plane face above that plane, as a share of the distance between the points that are
-/// compared, but at least of one metre: normals deviate by [`SAME_NORMAL`].
-const SAME_PLANE: f64 = SAME_NORMAL;
-
 impl HiddenReflections {
     /// The reflections at plane faces that an object hides, also where it covers the point of reflection.
     pub fn among(
@@ -26,9 +22,11 @@ impl HiddenReflections {
         let mut reflections: Vec<Vertex> = Vec::new();
         let mut index_of = |vertex: &Vertex| {
             let is_same = |known: &Vertex| {
-                let height = (known.point - vertex.point).dot(vertex.normal);
+                let between = known.point - vertex.point;
+                let height = between.dot(vertex.normal).abs();
+                // Normals that deviate by this much raise a point by as much of its distance.
                 known.normal.distance(vertex.normal) <= SAME_NORMAL
-                    && height.abs() <= SAME_PLANE * known.point.distance(vertex.point).max(1.0)
+                    && height <= SAME_NORMAL * between.length().max(1.0)
             };
             let known = reflections.iter().position(is_same);
             known.unwrap_or_else(|| {

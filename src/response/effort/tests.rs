@@ -318,3 +318,22 @@ fn a_record_lasts_until_t30_is_defined() {
     energy[2] = 0.0;
     assert!(!is_cut_off(&figures, &energy));
 }
+
+/// Protects T30 from more and more waves in a record that is too short: if halves of the waves do not give T30, because
+/// their decays end beyond the record, the record becomes longer.
+#[test]
+fn a_decay_that_ends_beyond_the_record_for_half_of_the_waves_is_cut_off() {
+    let most = Figures::most_cut_off();
+    let is_longer = |noise: Option<f64>, share: f64| {
+        let mut figures = Figures::omitted();
+        for band in 0..BAND_COUNT {
+            figures.bands[band].edt_s = Some(2.0);
+            figures.cut_off[band] = Some(share);
+            let t30 = &mut figures.precision[band][2];
+            (t30.value, t30.noise) = (Some(2.0), noise);
+        }
+        is_cut_off(&figures, &[1.0; BAND_COUNT])
+    };
+    assert!(!is_longer(Some(0.02), 0.7 * most) && is_longer(Some(0.02), 1.1 * most));
+    assert!(!is_longer(None, 0.3 * most) && is_longer(None, 0.7 * most));
+}

@@ -20,7 +20,8 @@ pub struct Precision {
     #[serde(serialize_with = "finite")]
     pub arrivals: Option<f64>,
     /// Number of independent waves of equal energy after the end of the decay, from the spread over the batches: copies of
-    /// a wave and repeated arrivals count once. `None` except for decay times, without batches, and without noise.
+    /// a wave and repeated arrivals count once. `None` for figures other than decay times, without arrivals, with fewer
+    /// than 16 batches, and if all batches are equal.
     #[serde(serialize_with = "finite")]
     pub independent_waves: Option<f64>,
 }
@@ -43,8 +44,8 @@ pub(super) struct Arrivals {
     pub all: f64,
     /// Their number after the end of each decay.
     pub after_decays: [f64; DECAY_TIMES],
-    /// Number of independent waves of equal energy after the end of each decay.
-    pub independent_waves: [f64; DECAY_TIMES],
+    /// Number of independent waves of equal energy after the end of each decay, where it is known.
+    pub independent_waves: [Option<f64>; DECAY_TIMES],
 }
 
 /// Factor of the number of waves if the noise is unknown: half of the waves do not give the figure.
@@ -74,6 +75,12 @@ impl Figures {
             DECIBELS,
         ];
         accuracy * units[figure]
+    }
+
+    /// Whether T30 of a band is defined for all waves, but not for some half of them.
+    pub(in crate::response) fn lacks_t30_in_halves(&self, band: usize) -> bool {
+        let t30 = &self.precision[band][DECAY_TIMES - 1];
+        t30.value.is_some() && t30.noise.is_none()
     }
 
     /// Why a figure of a band is withheld, with the figure's place in [`BandFigures::NAMES`]. `None` if it is reported,
@@ -114,14 +121,11 @@ impl Figures {
         arrivals: &Arrivals,
     ) -> [Precision; FIGURE_COUNT] {
         let noise = halves.noise(band, list, arrivals.all);
-        std::array::from_fn(|figure| {
-            let independent = arrivals.independent_waves.get(figure).copied();
-            Precision {
-                value: list[figure].filter(|value| value.is_finite()),
-                noise: noise[figure],
-                arrivals: arrivals.after_decays.get(figure).copied(),
-                independent_waves: independent.filter(|waves| waves.is_finite()),
-            }
+        std::array::from_fn(|figure| Precision {
+            value: list[figure].filter(|value| value.is_finite()),
+            noise: noise[figure],
+            arrivals: arrivals.after_decays.get(figure).copied(),
+            independent_waves: arrivals.independent_waves.get(figure).copied().flatten(),
         })
     }
 

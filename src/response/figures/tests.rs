@@ -334,40 +334,64 @@ fn long_records_are_whole() {
     assert_eq!(refused, Err(ResponseError::BadLength { seconds: 61.0 }));
 }
 
-/// Protects accuracies from noise that is small by chance: a decay whose end rests on few independent waves asks for more
-/// waves, although all its arrivals are many and its noise is small.
-#[test]
-fn few_independent_waves_after_a_decay_ask_for_more() {
+/// A decay of 60 dB in 0.6 s with many arrivals. After 30 dB the energies of 16 batches differ by this share.
+fn decay_with_spread(spread: f64) -> Echogram {
     const BATCHES: usize = 16;
-    let figures = |spread: f64| {
-        let mut echogram = Echogram::new(1e-3, BATCHES).expect("a good bin");
-        for bin in 0..600 {
-            let energy = 10_f64.powf(-0.01 * f64::from(bin));
-            for batch in 0..BATCHES {
-                // After the decay by 30 dB the batches differ.
-                let sign = if batch % 2 == 0 { 1.0 } else { -1.0 };
-                let part = if bin > 300 { 1.0 + sign * spread } else { 1.0 };
-                for arrival in 0..4 {
-                    let seconds = 1e-3 * (f64::from(bin) + 0.25 * f64::from(arrival) + 0.1);
-                    echogram
-                        .add(batch, seconds, &[part * energy; BAND_COUNT], DVec3::X)
-                        .unwrap();
-                }
+    let mut echogram = Echogram::new(1e-3, BATCHES).expect("a good bin");
+    for bin in 0..600 {
+        let energy = 10_f64.powf(-0.01 * f64::from(bin));
+        for batch in 0..BATCHES {
+            let sign = if batch % 2 == 0 { 1.0 } else { -1.0 };
+            let part = if bin > 300 { 1.0 + sign * spread } else { 1.0 };
+            for arrival in 0..4 {
+                let seconds = 1e-3 * (f64::from(bin) + 0.25 * f64::from(arrival) + 0.1);
+                echogram
+                    .add(batch, seconds, &[part * energy; BAND_COUNT], DVec3::X)
+                    .unwrap();
             }
         }
-        Figures::new(&[], &echogram, Some(0.0), 0.6)
-    };
-    let t30 = 2;
+    }
+    echogram
+}
+
+/// The place of T30 in the list of figures.
+const T30: usize = 2;
+
+/// Protects accuracies from noise that is small by chance: a decay whose end rests on few independent waves asks for more
+/// waves, although its arrivals are many and its noise is small.
+#[test]
+fn few_independent_waves_after_a_decay_ask_for_more() {
+    let figures = |spread| Figures::new(&[], &decay_with_spread(spread), Some(0.0), 0.6);
     let (even, uneven) = (figures(0.05), figures(0.5));
-    let of = |figures: &Figures| figures.precision[0][t30];
-    let share = of(&uneven).noise.unwrap() / of(&uneven).value.unwrap();
+    let of = uneven.precision[0][T30];
+    let share = of.noise.unwrap() / of.value.unwrap();
     assert!(share < 0.04, "{share}");
     // 16 batches with a standard deviation of 0.516.
-    assert_near(of(&uneven).independent_waves, 60.0, 0.01);
-    assert_eq!(even.is_accurate(0.05, 0, t30), Some(true));
-    assert_eq!(uneven.is_accurate(0.05, 0, t30), Some(false));
+    assert_near(of.independent_waves, 60.0, 0.01);
+    assert_eq!(even.is_accurate(0.05, 0, T30), Some(true));
+    assert_eq!(uneven.is_accurate(0.05, 0, T30), Some(false));
     let growth = uneven.waves_for(0.05);
     assert!((3.2..3.5).contains(&growth), "{growth}");
+}
+
+/// Protects rounds from waves in vain: if waves of early arrivals that cannot grow cause all the spread after a decay, no
+/// other waves are asked for.
+#[test]
+fn independent_waves_are_asked_of_the_waves_that_lack() {
+    let uneven = decay_with_spread(0.5);
+    let figures = Figures::new(&[], &uneven, Some(0.0), 0.6);
+    let record = Record::new(&[], &uneven, 0.6);
+    let most = |early: &Echogram| {
+        let parts = Parts {
+            early,
+            early_can_grow: false,
+            onset_s: 0.1,
+        };
+        let demands = figures.demands(0.05, &record, Some(0.0), Some(parts));
+        demands.iter().map(Demand::factor).fold(0.0, f64::max)
+    };
+    let (of_early, of_others) = (most(&uneven), most(&uneven.without_arrivals()));
+    assert!(of_early < 0.1 && of_others > 3.0, "{of_early}, {of_others}");
 }
 
 /// Protects rounds from panics, and from waves without end: a record that ends within its decay has no arrivals after it,

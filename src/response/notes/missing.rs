@@ -162,12 +162,19 @@ pub(super) fn of_accuracy(pair: Pair, response: &Response) -> Vec<String> {
         let factor = figures.waves_to_report(band, figure);
         figures.is_accurate(accuracy, band, figure) == Some(false)
             && factor.is_none_or(f64::is_finite)
+            && !figures.rests_on_few_waves(accuracy, band, figure)
     });
+    let because = response.ended.map(|ended| format!(", because {ended}"));
+    let because = because.unwrap_or_default();
     if !open.is_empty() {
-        let because = response.ended.map(|ended| format!(", because {ended}"));
         texts.push(format!(
-            "the accuracy of {percent} % is not reached{}: {open}",
-            because.unwrap_or_default()
+            "the accuracy of {percent} % is not reached{because}: {open}"
+        ));
+    }
+    let few = listed_where(|band, figure| figures.rests_on_few_waves(accuracy, band, figure));
+    if !few.is_empty() {
+        texts.push(format!(
+            "± may be too small{because}: after the end of the decay few independent waves arrive (docs/acoustics.md#notes): {few}"
         ));
     }
     let limited = listed_where(|band, figure| figures.is_limited(accuracy, band, figure));
