@@ -286,15 +286,16 @@ impl Context {
         }
     }
 
-    /// Queries the GL errors since the last call and clears them after a read-back, even if that waits for the renderer.
+    /// After a read-back: queries the GL errors since the last call and clears them. This may wait for the renderer.
     ///
     /// # Errors
-    /// As for [`check`](Context::check). The message states that an earlier call may be the cause: in a browser, and in
-    /// release builds, most calls are not checked themselves.
+    /// As for [`check`](Context::check). The message states that an earlier call may be the cause, because most calls in a
+    /// browser are not checked themselves.
     pub(super) fn check_and_wait(&self, what: &str) -> Result<(), GpuError> {
         self.first_error(what).map_err(GpuError::or_earlier)
     }
 
+    /// The first GL error since the last call.
     fn first_error(&self, what: &str) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(GpuError::lost)?;
         // SAFETY: the context is current.

@@ -331,8 +331,8 @@ pub enum Warning {
     AllInSolid {
         /// The surface.
         surface: String,
-        /// Whether the surface is a plane or a half space, such as a ground.
-        is_ground: bool,
+        /// Whether the surface is a plane or a half space.
+        is_half_space: bool,
     },
     /// A surface that lies wholly in the solid of another one, such as that around a room, and has no effect.
     Buried {
@@ -400,14 +400,14 @@ impl fmt::Display for Warning {
         match self {
             Warning::AllInSolid {
                 surface,
-                is_ground: true,
+                is_half_space: true,
             } => write!(
                 f,
-                "all sources and listeners are in the solid of {surface}: move them above it, to the side of its air"
+                "all sources and listeners are in the solid of {surface}: move them to the side of its air, which is above it if it is a ground"
             ),
             Warning::AllInSolid {
                 surface,
-                is_ground: false,
+                is_half_space: false,
             } => write!(
                 f,
                 "all sources and listeners are in the solid of {surface}: if it is meant to be a room, hollow it out (Shell(of: …, thickness: …)), or exchange its air and its solid (a field is positive in the air; Complement(of: …) exchanges both)"

@@ -537,6 +537,7 @@ mod tests {
         assert!(hearing.is_new(&scene, &march, &Parts::default(), false));
         assert_eq!(look(&mut hearing, &march), 2048);
     }
+
     /// A scene of this name with a box of this height between a source and a listener.
     fn with_screen(name: &str, height: f32) -> Scene {
         let text = format!(

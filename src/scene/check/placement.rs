@@ -29,7 +29,7 @@ impl Scene {
         let are_all_in = !surface.takes_walls() && around.all(is_same);
         are_all_in.then(|| Warning::AllInSolid {
             surface: surface.label(first),
-            is_ground: is_half_space(&surface.shape),
+            is_half_space: is_half_space(&surface.shape),
         })
     }
 

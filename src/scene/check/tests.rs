@@ -450,7 +450,7 @@ fn a_room_that_is_solid_is_warned_of() {
         let warnings = scene.warnings();
         warnings.contains(&Warning::AllInSolid {
             surface: "surface 1 (Box)".to_owned(),
-            is_ground: false,
+            is_half_space: false,
         })
     };
     assert!(is_reversed(&scene));
@@ -511,10 +511,11 @@ fn advice_for_a_ground_differs_from_that_for_a_room() {
     for ground in [
         "Plane",
         "HalfSpace(normal: (0.1, 1, 0))",
+        "Translate(of: HalfSpace(normal: (0, -1, 0)), by: (0, -9, 0))",
         "Translate(of: Plane, by: (0, 1, 0))",
     ] {
         let told = advice(ground);
-        assert!(told.contains("move them above it"), "{told}");
+        assert!(told.contains("move them to the side of its air"), "{told}");
         assert!(!told.contains("exchange"), "{told}");
     }
     for closed in [
