@@ -71,7 +71,7 @@ impl Progress {
                 .filter_map(move |(band, figure)| figures.is_accurate(accuracy, band, figure))
         };
         let defined: Vec<bool> = round.responses.iter().flat_map(of_response).collect();
-        let waves = round.responses.iter().map(|one| one.waves);
+        let waves = round.responses.iter().map(|one| one.onset_waves);
         Progress {
             finished: round.finished,
             waves: waves.max().unwrap_or(0),

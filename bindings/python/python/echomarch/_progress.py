@@ -11,9 +11,9 @@ class Progress(NamedTuple):
     """A round of a response with a requested accuracy."""
 
     waves: int
-    """Number of waves of this round."""
+    """Number of waves for late arrivals of this round, those that end early included."""
     next_waves: Optional[int]
-    """Number of waves of the next round; None after the last round."""
+    """The same number for the next round; None after the last round."""
     accurate: int
     """Number of figures, over all bands, that have the accuracy."""
     defined: int
