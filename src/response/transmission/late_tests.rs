@@ -196,22 +196,20 @@ fn split_walls_pass_what_one_wall_passes() {
 #[test]
 fn meshes_pass_what_boxes_pass() {
     let wall = reduced_by(10.0);
-    let with_box = rooms(vec![leaf(0.0, WALL_M)], wall.clone(), 0.1);
+    let with_box = rooms(vec![leaf(0.0, WALL_M)], wall, 0.1);
     let size = Vec3::new(WALL_M, SIZE.y + 1.0, SIZE.z + 1.0).as_dvec3();
     let mesh = TriangleMesh::new("leaf", box_faces(size), MeshOptions::default());
     let mesh = Surface::new(Mesh {
         mesh: Arc::new(mesh.expect("a mesh")),
     });
-    let with_mesh = rooms(vec![mesh.with_material("wall")], wall.clone(), 0.1);
+    let with_mesh = rooms(vec![mesh.with_material("wall")], wall, 0.1);
     // All walls of `Rooms` have one material.
     let same = Material {
         absorption: [0.1; BAND_COUNT],
         ..wall
     };
-    let mut one_material = rooms(vec![leaf(0.0, WALL_M)], same.clone(), 0.1);
-    one_material
-        .materials
-        .insert("plaster".to_owned(), same.clone());
+    let mut one_material = rooms(vec![leaf(0.0, WALL_M)], same, 0.1);
+    one_material.materials.insert("plaster".to_owned(), same);
     let half = 0.5 * SIZE;
     let air = |name: &str, from_x: f32, to_x: f32| AirBox {
         name: name.to_owned(),

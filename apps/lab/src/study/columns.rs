@@ -4,7 +4,7 @@ use super::file::{FigureName, ResponseFile};
 use super::{Kept, Study};
 use crate::report::Cell;
 use echomarch::bands::BANDS_HZ;
-use echomarch::response::{BandFigures, Gap, Response};
+use echomarch::response::{BandFigures, Gap, Response, ResponseSettings};
 use echomarch::scene::Pair;
 use echomarch::tracer::Settings;
 

@@ -6,7 +6,7 @@ use crate::experiment::accuracy::exact_pan;
 use crate::report::Cell;
 use echomarch::Error;
 use echomarch::Settings;
-use echomarch::response::Response;
+use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::tracer::Tracer;
 
