@@ -66,6 +66,23 @@ pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
     }
 }
 
+/// The position of the quote that causes an error because it is not closed in its line, and the message. A text with
+/// an unclosed quote goes on to the quote of another text, often some lines below.
+pub fn unclosed_quote(text: &str, error: &SpannedError) -> Option<(Position, String)> {
+    let opened = marks(text).quote_over_lines?;
+    if offset(text, error.span.end)? < opened {
+        return None;
+    }
+    let above = &text[..opened];
+    let begin = above.rfind('\n').map_or(0, |at| at + 1);
+    let place = Position {
+        line: 1 + above.matches('\n').count(),
+        col: 1 + above[begin..].chars().count(),
+    };
+    let told = "the quote that starts here is not closed in this line".to_owned();
+    Some((place, told))
+}
+
 /// The addition to a message where a closing bracket may be missing.
 const MAYBE_UNCLOSED: &str = "; or is a closing bracket missing before it?";
 
@@ -215,14 +232,34 @@ fn named_values(count: usize) -> &'static str {
 
 /// The brackets of a text outside of comments and quoted texts, with their byte offsets.
 fn brackets(text: &str) -> Vec<(usize, char)> {
-    let mut found = Vec::new();
+    marks(text).brackets
+}
+
+/// The marks of a text outside of comments, with their byte offsets.
+#[derive(Default)]
+struct Marks {
+    /// The brackets outside of quoted texts.
+    brackets: Vec<(usize, char)>,
+    /// The first quote whose text has a line break. Raw texts (`r"…"`) may have one.
+    quote_over_lines: Option<usize>,
+}
+
+fn marks(text: &str) -> Marks {
+    let mut found = Marks::default();
     let mut is_quoted = false;
+    let mut quote = 0;
     let mut chars = text.char_indices().peekable();
     while let Some((at, next)) = chars.next() {
         let behind = chars.peek().map(|(_, behind)| *behind);
         match next {
             '\\' if is_quoted => drop(chars.next()),
-            '"' => is_quoted = !is_quoted,
+            '"' => {
+                is_quoted = !is_quoted;
+                quote = at;
+            }
+            '\n' if is_quoted && !text[..quote].ends_with(['r', '#']) => {
+                found.quote_over_lines.get_or_insert(quote);
+            }
             _ if is_quoted => {}
             '/' if behind == Some('/') => drop(chars.find(|(_, c)| *c == '\n')),
             '/' if behind == Some('*') => {
@@ -234,7 +271,7 @@ fn brackets(text: &str) -> Vec<(usize, char)> {
                     before = next;
                 }
             }
-            '(' | '[' | '{' | ')' | ']' | '}' => found.push((at, next)),
+            '(' | '[' | '{' | ')' | ']' | '}' => found.brackets.push((at, next)),
             _ => {}
         }
     }
@@ -485,6 +522,40 @@ mod tests {
             ("Scene(name: \"a\" # hall\n)", comment),
         ] {
             assert!(told(text).contains(sentence), "{text}: {}", told(text));
+        }
+    }
+
+    /// Protects authors who forget a closing quote: the message names the place of this quote, not what follows from it.
+    #[test]
+    fn an_unclosed_quote_is_named_with_its_place() {
+        let told_at = |place: &str| format!("f:{place}: the quote that starts here is not closed");
+        for (text, place) in [
+            (
+                "Scene(surfaces: [\n Surface(material: \"brick),\n Surface(material: \"wood\")])",
+                "2:20",
+            ),
+            ("Scene(\n name: \"hall,\n surfaces: [])", "2:8"),
+            ("Scene(\n name: \"hall,\n air: \"x\")", "2:8"),
+            ("Scene(/* ä \" */ name: \"\\\"hall,\n)", "1:23"),
+            (
+                "Scene(surfaces: [Surface(shape: Union([Plane]), material: \"brick),\n Surface(material: \"wood\")])",
+                "1:59",
+            ),
+        ] {
+            let said = told(text);
+            assert!(said.starts_with(&told_at(place)), "{text}: {said}");
+        }
+        for other in [
+            "Scene(name: hall\",\n surfaces: [])",
+            "Scene(x: 1, name: \"hall,\n)",
+            "Scene(/* \" \n */ x: 1)",
+            "Scene(name: r\"a\nb\", x: 1)",
+        ] {
+            assert!(
+                !told(other).contains("not closed"),
+                "{other}: {}",
+                told(other)
+            );
         }
     }
 

@@ -158,6 +158,9 @@ fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, Sc
 }
 
 fn from_ron(files: &Attached, text: &str, error: &SpannedError) -> SceneError {
+    if let Some((place, told)) = ron_error::unclosed_quote(text, error) {
+        return malformed(files, place.line, place.col, &told);
+    }
     let start = error.span.start;
     let message = match (&error.code, about_part(text, error)) {
         (_, Some(hint)) => hint,

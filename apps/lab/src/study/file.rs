@@ -6,7 +6,7 @@
 use super::StudyError;
 use crate::text::in_a_line;
 use echomarch::internals::file_input::{MalformedText, read_text};
-use echomarch::internals::ron_error::{STUDY, sentence};
+use echomarch::internals::ron_error::{STUDY, sentence, unclosed_quote};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Directions, Profile};
 use serde::de::{Error, Visitor};
@@ -362,6 +362,10 @@ impl StudyFile {
         // Some editors write a byte-order mark before the text.
         let text = text.trim_start_matches('\u{feff}');
         options.from_str(text).map_err(|error| {
+            if let Some((place, told)) = unclosed_quote(text, &error) {
+                let told = MalformedText::new(origin, (place.line, place.col), told);
+                return StudyError::Malformed(told);
+            }
             let mut message = in_a_line(&sentence(text, &error, STUDY)).into_owned();
             if matches!(&error.code, ron::Error::NoSuchStructField { found, .. } if found == ACCURACY)
             {
