@@ -1,9 +1,9 @@
 //! The region of the world that a slice shows, and the mapping from the world to the picture.
 
 use super::PictureError;
-use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::shape::{AirBox, Cuboid, Cylinder, Room, Rooms, Sphere};
 use crate::scene::{Listener, Node, Path, Scene, Surface};
-use glam::{DMat3, Vec2, Vec3};
+use glam::{BVec3, DMat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// Margin around the contents, as a share of the longer side.
@@ -122,21 +122,16 @@ pub(super) fn flat(point: Vec3) -> Vec2 {
 fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     match surface.shape.node {
         Node::Plane(_) => None,
+        Node::Rooms(ref rooms) => rooms_extent(surface, rooms),
         Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => {
-            let corners = corners(surface, size);
+            let corners = corners(surface, -0.5 * size, 0.5 * size);
             let heights = corners.map(|corner| corner.y);
             let is_room = matches!(surface.shape.node, Node::Room(_));
             let misses = heights.iter().all(|&y| y < height) || heights.iter().all(|&y| y > height);
             if misses && !is_room {
                 return None;
             }
-            corners
-                .map(|corner| Bounds::around(corner, 0.0))
-                .into_iter()
-                .reduce(|mut all, corner| {
-                    all.add(corner);
-                    all
-                })
+            Some(about(corners))
         }
         Node::Sphere(Sphere { radius }) => {
             let off = height - surface.position.y;
@@ -154,6 +149,22 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
         }
         _ => field_extent(surface, height),
     }
+}
+
+/// The extent of all boxes of `Rooms`, at any height. `None` if there are no boxes.
+fn rooms_extent(surface: &Surface, rooms: &Rooms) -> Option<Bounds> {
+    let of_box = |of: &AirBox| corners(surface, of.from, of.to);
+    let corners: Vec<Vec3> = rooms.boxes().iter().flat_map(of_box).collect();
+    (!corners.is_empty()).then(|| about(corners))
+}
+
+/// The part that contains these points.
+fn about(points: impl IntoIterator<Item = Vec3>) -> Bounds {
+    let mut bounds = Bounds::NOTHING;
+    for point in points {
+        bounds.add(Bounds::around(point, 0.0));
+    }
+    bounds
 }
 
 /// The bounded extent of a field along x and z, if the cut intersects its bounds.
@@ -202,11 +213,11 @@ fn walls_about(scene: &Scene, listener: &Listener, height: f32) -> Vec<Vec3> {
     (0..SIGHTS).filter_map(sight).collect()
 }
 
-fn corners(surface: &Surface, size: Vec3) -> [Vec3; 8] {
+/// The corners of a box, which is given by two opposite corners in the surface's axes.
+fn corners(surface: &Surface, from: Vec3, to: Vec3) -> [Vec3; 8] {
     std::array::from_fn(|index| {
-        let sign = |bit: usize| if index & bit == 0 { -0.5 } else { 0.5 };
-        let corner = size * Vec3::new(sign(1), sign(2), sign(4));
-        surface.position + surface.rotation * corner
+        let is_upper = BVec3::new(index & 1 != 0, index & 2 != 0, index & 4 != 0);
+        surface.position + surface.rotation * Vec3::select(is_upper, to, from)
     })
 }
 
@@ -288,6 +299,26 @@ mod tests {
             "{bounds:?}"
         );
         assert!((bounds.min.x + bounds.max.x).abs() < 1e-4, "{bounds:?}");
+    }
+
+    /// Protects the rooms of `Rooms` that the listener does not see from being cut off.
+    #[test]
+    fn all_boxes_of_rooms_fit() {
+        let air = |from: [f32; 3], to: [f32; 3]| AirBox {
+            name: String::new(),
+            from: from.into(),
+            to: to.into(),
+        };
+        let hall = air([-4.0, -1.5, -3.0], [4.0, 3.0, 3.0]);
+        let corridor = air([4.0, -1.5, -5.0], [6.0, 1.0, 5.0]);
+        let rooms = Rooms::new([hall, corridor]).unwrap();
+        let surface = Surface::new(rooms).at(Vec3::new(1.0, 0.0, 2.0));
+        let bounds = Bounds::of(&scene(surface.clone()), 0.0);
+        assert!(bounds.min.cmplt(Vec2::new(-3.0, -3.0)).all(), "{bounds:?}");
+        assert!(bounds.max.cmpgt(Vec2::new(7.0, 7.0)).all(), "{bounds:?}");
+        assert!(bounds.max.cmplt(Vec2::splat(9.0)).all(), "{bounds:?}");
+        // A box below a listener who flies above it counts too.
+        assert_eq!(Bounds::of(&scene(surface), 2.0), bounds);
     }
 
     /// Protects the scale of the plan from a floor slab that the cut does not intersect.
