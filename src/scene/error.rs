@@ -49,10 +49,12 @@ pub enum SceneError {
         base: PathBuf,
     },
     /// A file that the scene names cannot be used.
-    #[error("{origin}: {why}")]
+    #[error("{origin}{}: {why}", line_and_column(*place))]
     Attached {
         /// The scene file, or the name used for the scene's text.
         origin: String,
+        /// Line and column of the part that names the file, each counted from 1, if they are known.
+        place: Option<(usize, usize)>,
         /// The file and the error.
         why: String,
     },
@@ -237,6 +239,11 @@ impl SceneError {
 
 /// Maximum number of surfaces that one message lists.
 const MOST_LISTED: usize = 6;
+
+/// A position as it stands after the name of a text.
+fn line_and_column(place: Option<(usize, usize)>) -> String {
+    place.map_or(String::new(), |(line, column)| format!(":{line}:{column}"))
+}
 
 /// Joins the first labels of a list, and states the number of the omitted labels.
 fn listed(labels: &[String]) -> String {

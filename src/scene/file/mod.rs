@@ -204,8 +204,13 @@ impl SceneFile {
     fn scene(self, files: &Attached, scattering: Option<Bands>) -> Result<Scene, Refused> {
         let sources = Several::needed(self.source, self.sources)?;
         let listeners = Several::needed(self.listener, self.listeners)?;
-        let surfaces = self.surfaces.into_iter();
-        let surfaces: Result<_, SceneError> = surfaces.map(|s| s.read(files)).collect();
+        let surfaces = self.surfaces.into_iter().enumerate();
+        let surfaces: Result<_, Refused> = surfaces
+            .map(|(index, surface)| {
+                let read = surface.read(files);
+                read.map_err(|error| Refused::File(Place::Shape(index), error))
+            })
+            .collect();
         let sources: Result<_, SceneError> = sources.iter().map(|s| s.read(files)).collect();
         let own = self.scattering.map(|own| own.bands);
         let scattering = scattering.or(own).unwrap_or_default();

@@ -20,6 +20,8 @@ pub(super) enum Refused {
     At(Place, String),
     /// An error without a position, or with its own position.
     Scene(SceneError),
+    /// The position of the part that names a file, and the error of this file.
+    File(Place, SceneError),
 }
 
 /// The position of a value in a scene file.
@@ -31,6 +33,8 @@ pub(super) enum Place {
     Material { surface: usize, wall: Option<usize> },
     /// The material of a group of faces of a surface (from 0), as the index of the group in the order of names.
     Face { surface: usize, face: usize },
+    /// The shape of a surface (from 0).
+    Shape(usize),
     /// The end of the scene, where something is missing.
     End,
 }
@@ -46,6 +50,12 @@ impl Refused {
     pub fn in_text(self, text: &str, files: &Attached) -> SceneError {
         match self {
             Refused::Scene(error) => error,
+            Refused::File(place, mut error) => {
+                if let SceneError::Attached { place: at, .. } = &mut error {
+                    *at = place.find(text);
+                }
+                error
+            }
             Refused::At(place, why) => {
                 let (line, column) = place.find(text).unwrap_or((1, 1));
                 malformed(files, line, column, &why)
@@ -56,7 +66,7 @@ impl Refused {
     /// The message of the error without its position, for formats without positions.
     pub fn without_place(self) -> String {
         match self {
-            Refused::Scene(error) => error.to_string(),
+            Refused::Scene(error) | Refused::File(_, error) => error.to_string(),
             Refused::At(_, why) => why,
         }
     }
@@ -75,6 +85,8 @@ pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
 #[derive(Deserialize)]
 #[serde(rename = "Surface")]
 struct SurfaceValues<'a> {
+    #[serde(borrow)]
+    shape: Option<&'a RawValue>,
     #[serde(borrow)]
     material: Option<&'a RawValue>,
     #[serde(borrow)]
@@ -115,6 +127,7 @@ impl Place {
         match self {
             Place::Field(name) => fields.get(name),
             Place::End => None,
+            Place::Shape(surface) => surface_values(fields, surface)?.shape,
             Place::Face { surface, face } => {
                 let faces = surface_values(fields, surface)?.faces;
                 faces.into_values().nth(face)
@@ -213,10 +226,16 @@ impl<'a> Modern<'a> {
     /// Converts the position of an error in the converted text to the position in the original text, if the error is in
     /// the text named `origin`.
     pub fn in_text_as_it_was(&self, mut error: SceneError, origin: &str) -> SceneError {
-        if let SceneError::Malformed(malformed) = &mut error
-            && malformed.origin == origin
-        {
-            malformed.column = self.column_as_it_was(malformed.line, malformed.column);
+        match &mut error {
+            SceneError::Malformed(malformed) if malformed.origin == origin => {
+                malformed.column = self.column_as_it_was(malformed.line, malformed.column);
+            }
+            SceneError::Attached {
+                origin: of,
+                place: Some((line, column)),
+                ..
+            } if of == origin => *column = self.column_as_it_was(*line, *column),
+            _ => {}
         }
         error
     }

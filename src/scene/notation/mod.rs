@@ -11,7 +11,7 @@ pub(crate) use numbers::{
 
 use super::mesh::{Inside, MeshOptions, TriangleMesh};
 use super::{Balloon, FIELDS, HeightImage, SampledField, SceneError, UserField};
-use crate::file_input::read_text;
+use crate::file_input::{InputError, read_text};
 use crate::text::in_a_line;
 use glam::Vec3;
 use serde::de::{self, Deserialize, DeserializeSeed, Deserializer, Error, VariantAccess, Visitor};
@@ -439,7 +439,7 @@ impl Attached {
                 // A built-in scene that was copied to another folder still finds its field.
                 match (path.exists(), embedded(FIELDS, name)) {
                     (false, Some(text)) => Ok(text),
-                    _ => read_text(&path, LARGEST_FIELD).map_err(|error| error.to_string()),
+                    _ => read_text(&path, LARGEST_FIELD).map_err(with_own_fields),
                 }
             }
             Place::Embedded(texts) => {
@@ -452,9 +452,22 @@ impl Attached {
     pub fn refused(&self, why: String) -> SceneError {
         SceneError::Attached {
             origin: self.origin.clone(),
+            place: None,
             why: in_a_line(&why).into_owned(),
         }
     }
+}
+
+/// The message for a field that cannot be read. In a browser it names the fields that can be read.
+fn with_own_fields(error: InputError) -> String {
+    let InputError::NoFiles = error else {
+        return error.to_string();
+    };
+    let own: Vec<&str> = FIELDS.iter().map(|(name, _)| *name).collect();
+    let own = own.join(", ");
+    format!(
+        "{error}; a text on the page can name only {own}, and GLSL of your own needs the program"
+    )
 }
 
 #[cfg(feature = "sofa")]
