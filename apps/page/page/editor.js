@@ -46,6 +46,13 @@ export function showError(message) {
   showLines();
 }
 
+// Shows warnings about the scene above its text. An empty list hides the box.
+export function showWarnings(warnings) {
+  const box = $("warnings");
+  box.textContent = warnings.map((warning) => `Warning: ${warning}`).join("\n");
+  box.hidden = warnings.length === 0;
+}
+
 // Keeps the numbers beside their lines while the text is scrolled.
 export function listenToScrolling() {
   $("text").addEventListener("scroll", () => {

@@ -1,7 +1,7 @@
 // The page: a walk through a scene, its sound, and the choices.
 
 import init, { Page, path_kinds, scene_name, scene_text, scenes } from "./pkg/echomarch_browser.js";
-import { listenToScrolling, showError, showLines } from "./editor.js";
+import { listenToScrolling, showError, showLines, showWarnings } from "./editor.js";
 import { listenTo } from "./keys.js";
 import * as link from "./link.js";
 import { Listening } from "./listening.js";
@@ -131,6 +131,7 @@ function take(isAnew) {
     become(state.own.name, state.own);
   }
   showError("");
+    showWarnings([]);
   showValues();
   listening.play(read);
   // The figures of the previous scene disappear before the next picture, which may take seconds.
@@ -139,6 +140,7 @@ function take(isAnew) {
   return true;
 }
 
+  warn(read);
 // Sets the settings for tracing. If that fails, shows the reason and leaves everything unchanged.
 function trace(wanted) {
   let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
@@ -147,6 +149,14 @@ function trace(wanted) {
   } catch (error) {
     why = error.message;
   }
+// Shows the warnings about the scene that was read. They may take some time, so that the scene is shown first.
+function warn(read) {
+  showWarnings([]);
+  requestAnimationFrame(() => setTimeout(() => {
+    if (listening.shown === read) showWarnings(page.warnings_of_shapes());
+  }));
+}
+
   if (!why) {
     state.profile = wanted.profile;
     state.waves = wanted.waves;

@@ -148,6 +148,16 @@ impl Page {
         warnings.iter().map(ToString::to_string).collect()
     }
 
+    /// The other warnings about the scene, such as a box of `Rooms` without a way to the first one.
+    pub fn warnings_of_shapes(&self) -> Vec<String> {
+        let places = self.warnings_of_places();
+        let warnings = self.visit.scene().warnings();
+        let warnings = warnings.iter().map(ToString::to_string);
+        warnings
+            .filter(|warning| !places.contains(warning))
+            .collect()
+    }
+
     /// The names of the sources.
     pub fn source_names(&self) -> Vec<String> {
         source_names(self.visit.scene())

@@ -1,5 +1,6 @@
 //! The note on a response without any arrival.
 
+use crate::platform::HAS_FILES;
 use crate::scene::Pair;
 
 /// Why nothing arrives at the listener in a record of this length in seconds.
@@ -16,8 +17,14 @@ pub(super) fn reason(pair: Pair, seconds: f64) -> String {
             "nothing arrives, because sound takes {first_s:.3} s to the listener, and the record ends after {seconds:.3} s: use a longer record (seconds)"
         );
     }
-    "nothing arrives: look for a wall or a closed door between source and listener; sound passes a solid only if its material transmits sound (density or reduction, docs/scene-format.md), and bends around obstacles only with diffraction"
-        .to_owned()
+    // A page in a browser has no documents beside it.
+    let document = match HAS_FILES {
+        true => ", docs/scene-format.md",
+        false => "",
+    };
+    format!(
+        "nothing arrives: look for a wall or a closed door between source and listener; sound passes a solid only if its material transmits sound (density or reduction{document}), and bends around obstacles only with diffraction"
+    )
 }
 
 /// The end of a pair whose centre lies in a solid, such as that around a room.
