@@ -24,6 +24,8 @@ const SHORT_MS = 22;
 const LONG_MS = 40;
 // Maximum time that passes in the scene between two pictures, in milliseconds. The limit prevents a jump after a delay.
 const LONGEST_MS = 250;
+// Maximum time for which a key walks between two pictures, in milliseconds.
+const MOST_HELD_MS = 1000;
 // The ratios of the picture's resolution to the canvas' that can be chosen.
 const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
 // Delay from the last keystroke to the reading of the text, and interval between updates of the link, in milliseconds.
@@ -70,6 +72,9 @@ let listening = null;
 let ownScenes = null;
 // The timer until the written text is read.
 let written = 0;
+// The times of the last change of the text, and of the last step or turn of the listener.
+let editedAt = Infinity;
+let walkedAt = -Infinity;
 
 // The number of pictures, the time of the last picture (null after a pause), and the average interval in milliseconds.
 let pictures = 0;
@@ -116,13 +121,17 @@ function builtInWith(text) {
 // restarts the walk even if the scene has the same name.
 function take(isAnew) {
   const read = { text: text(), name: state.scene };
+  // A place to which the user walked since the text was changed stays, even if the scene has another name.
+  const place = !isAnew && walkedAt > editedAt && page.has_walked() ? page.listener() : null;
   try {
     if (isAnew) {
       page.open_scene(read.text, read.name);
     } else {
       page.set_scene(read.text, read.name);
+      if (place && !page.has_walked()) standAgain(place);
     }
   } catch (error) {
+    showWarnings([]);
     showError(error.message);
     return false;
   }
@@ -131,7 +140,7 @@ function take(isAnew) {
     become(state.own.name, state.own);
   }
   showError("");
-    showWarnings([]);
+  warn(read);
   showValues();
   listening.play(read);
   // The figures of the previous scene disappear before the next picture, which may take seconds.
@@ -140,15 +149,13 @@ function take(isAnew) {
   return true;
 }
 
-  warn(read);
-// Sets the settings for tracing. If that fails, shows the reason and leaves everything unchanged.
-function trace(wanted) {
-  let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
-  try {
-    if (!why) page.set_settings(wanted.profile, wanted.waves, wanted.iterations);
-  } catch (error) {
-    why = error.message;
-  }
+// Takes the listener of a scene that was just opened to a place, unless that is inside a solid of this scene.
+function standAgain(place) {
+  const before = page.warnings_of_places().length;
+  page.stand(...place);
+  if (page.warnings_of_places().length > before) page.start_over();
+}
+
 // Shows the warnings about the scene that was read. They may take some time, so that the scene is shown first.
 function warn(read) {
   showWarnings([]);
@@ -157,6 +164,14 @@ function warn(read) {
   }));
 }
 
+// Sets the settings for tracing. If that fails, shows the reason and leaves everything unchanged.
+function trace(wanted) {
+  let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
+  try {
+    if (!why) page.set_settings(wanted.profile, wanted.waves, wanted.iterations);
+  } catch (error) {
+    why = error.message;
+  }
   if (!why) {
     state.profile = wanted.profile;
     state.waves = wanted.waves;
@@ -309,10 +324,15 @@ function passedUntil(now) {
 }
 
 function picture(now) {
-  const moves = keys.moves();
+  const { moves, held } = keys.moves();
   moves[0] += stick.forward;
   moves[1] += stick.right;
-  page.pass(moves, keys.runs, passedUntil(now) / 1000);
+  if (moves.some((move) => move !== 0)) walkedAt = performance.now();
+  const passed = passedUntil(now);
+  page.pass(moves, keys.runs, passed / 1000);
+  // A key that was held while no picture could be drawn still walks.
+  const steps = Math.floor(Math.min(held, MOST_HELD_MS) / LONGEST_MS);
+  for (let step = 1; step < steps; step++) page.pass(moves, keys.runs, LONGEST_MS / 1000);
   const began = performance.now();
   if (!listening.isComputing() && page.trace(WAVES_MS)) listening.hear();
   const traced = performance.now();
@@ -472,6 +492,7 @@ function connect() {
   };
   listenToScrolling();
   $("text").oninput = () => {
+    editedAt = performance.now();
     showLines();
     keepWritten();
     clearTimeout(written);
@@ -565,7 +586,10 @@ async function begin() {
   listening = new Listening(page, state, messages);
   listening.play({ text: builtIn(), name: state.scene });
   plan = new Plan($("plan"), path_kinds());
-  const look = (right, up) => page.look(right, up);
+  const look = (right, up) => {
+    walkedAt = performance.now();
+    page.look(right, up);
+  };
   keys = listenTo(canvas, asked, look);
   stick = listenToTouch(canvas, $("stick"), look);
   connect();
