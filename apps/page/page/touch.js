@@ -3,6 +3,11 @@
 // Radians per CSS pixel of a drag.
 const DRAG = 0.005;
 
+// Removes the hint, which names the gestures, once one of them was made.
+function hideHint() {
+  document.getElementById("touch").hidden = true;
+}
+
 // Listens to fingers and pens. `look` takes angles in radians. The result has the moves of the stick: forward and right,
 // −1 to 1.
 export function listenToTouch(canvas, stick, look) {
@@ -21,6 +26,7 @@ export function listenToTouch(canvas, stick, look) {
   canvas.addEventListener("pointermove", (event) => {
     if (last?.pointerId !== event.pointerId) return;
     // The picture follows the finger, so the gaze turns the other way.
+    hideHint();
     look(-DRAG * (event.clientX - last.clientX), DRAG * (event.clientY - last.clientY));
     last = event;
   });
@@ -31,6 +37,7 @@ export function listenToTouch(canvas, stick, look) {
   canvas.addEventListener("pointercancel", end);
 
   const push = (event) => {
+    hideHint();
     const box = stick.getBoundingClientRect();
     const reach = box.width / 2;
     const x = (event.clientX - box.left - reach) / reach;
