@@ -191,7 +191,7 @@ fn fingers_look_and_walk() {
     let start = listener();
     browser.touch("#picture", 80, 0);
     browser.lift();
-    // The hint is no longer needed.
+    // The hint goes after the first drag.
     wait(&browser, "return document.getElementById('touch').hidden");
     let turned = listener();
     let yaw = |of: &serde_json::Value| of[3].as_f64().unwrap();
