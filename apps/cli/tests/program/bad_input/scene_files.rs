@@ -189,7 +189,7 @@ fn files_of_a_scene_that_are_missing_are_refused() {
     for (shape, file) in shapes {
         let sentence = scene_refusal(&SCENE.replace("Sphere(radius: 1)", shape));
         assert!(
-            sentence.starts_with("scene.ron: cannot read the "),
+            sentence.starts_with("scene.ron:3:") && sentence.contains(": cannot read the "),
             "{sentence}"
         );
         assert!(
