@@ -138,6 +138,7 @@ fn a_walk_after_an_edit_stays() {
     return 0";
     on_page(|stage, browser| {
         stage.load(browser, "#scene=open-pillars&waves=1024&motion=off");
+        browser.run("document.getElementById('editor').open = true; return 0");
         let start = browser.run("return echomarch.page.listener()[0]");
         write_text(browser, ROOMS);
         browser.run(PRESS);
