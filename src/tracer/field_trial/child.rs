@@ -6,11 +6,13 @@ use super::{FieldTrial, STACK};
 use super::{LONGEST, MOST_MEMORY};
 use crate::error::Error;
 use crate::gl::{
-    Context, ContextOptions, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,
+    Context, ContextOptions, DataList, GpuError, Program, RenderTarget, Texture,
+    full_screen_pass_rows,
 };
 use crate::scene::UserField;
+use crate::shader::DATA_WIDTH;
 use crate::tracer::user_fields;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
@@ -106,6 +108,11 @@ fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
     let first = Texture::new(context, width, height)?;
     let second = Texture::new(context, width, height)?;
     let target = RenderTarget::new(context, &[&first, &second])?;
+    // The scene's data are a buffer in desktop OpenGL, and samplers of two types may not read from one texture unit. All
+    // other samplers read from unit 0.
+    let mut data = DataList::new(context, DATA_WIDTH)?;
+    data.set(&[Vec4::ZERO])?;
+    data.bind(&program, "uSceneData", 1);
     full_screen_pass_rows(context, &program, &target, width, height, 0..height)?;
     // Waits for the drawing, whose result is meaningless because no uniform is set.
     target.read(0).map(drop)

@@ -34,9 +34,12 @@ pub fn percent(said: &str) -> Result<f64, String> {
         return number(per_cent.trim_end()).map(|per_cent| per_cent / 100.0);
     }
     let of_share = (1e6 * number(said)?).round() / 1e4;
-    Err(format!(
-        "write {of_share}% for a share of {said}, {said}% for {said} per cent"
-    ))
+    // The greatest accuracy is 5 %.
+    let as_share = match of_share <= 5.0 {
+        true => format!("{of_share}% for a share of {said}, "),
+        false => String::new(),
+    };
+    Err(format!("write {as_share}{said}% for {said} per cent"))
 }
 
 impl AccuracyOptions {
@@ -95,6 +98,7 @@ mod tests {
         let refused = percent("0.05");
         let expected = "write 5% for a share of 0.05, 0.05% for 0.05 per cent";
         assert_eq!(refused, Err(expected.to_owned()));
+        assert_eq!(percent("5"), Err("write 5% for 5 per cent".to_owned()));
         assert!(percent("2").is_err_and(|message| message.ends_with("2% for 2 per cent")));
         for wrong in ["two%", "5pct", "inf", "nan%", ""] {
             assert!(percent(wrong).is_err_and(|message| message.ends_with("such as 2%")));

@@ -24,6 +24,22 @@ const SCENE: &str = "Scene(
 
 const BALL: &str = "float field(vec3 p) { return length(p) - 1.0; }\n";
 
+/// Protects fields beside surfaces whose shaders read the scene's data, such as `Rooms` and meshes with several materials:
+/// on desktop OpenGL their trial failed, because samplers of two types read from one texture unit.
+#[test]
+fn a_field_in_rooms_of_several_materials_is_traced() {
+    let rooms = "Rooms(of: [(name: \"a\", from: (-4.5, -4.5, -4.5), to: (4.5, 4.5, 4.5))]), material: \"plasterboard\", faces: {\"a/floor\": \"wood-floor\"}";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("f.glsl"), BALL).unwrap();
+    let scene = folder.path().join("scene.ron");
+    std::fs::write(&scene, SCENE.replace("Room(size: (9, 9, 9))", rooms)).unwrap();
+    let traced = command()
+        .args(["trace", "--levels", "--waves", "256", argument(&scene)])
+        .output()
+        .unwrap();
+    assert!(traced.status.success(), "{}", stderr(&traced));
+}
+
 /// A division that compilers fold into a constant, and that causes a processor fault.
 const DIVISION: &str =
     "float field(vec3 p) { p.x += float((-2147483647 - 1) / -1); return length(p) - 1.0; }\n";
