@@ -437,9 +437,11 @@ fn a_study_has_the_accuracy_that_it_asks_for() {
     let [error_s, t30_s] = [row[1], row[2]].map(|cell| cell.parse::<f64>().expect(&csv));
     assert!(error_s <= 0.05 * t30_s, "{csv}");
     let names = csv.lines().next().unwrap().split(',');
-    let at: Vec<usize> = (names.enumerate().filter(|(_, name)| *name == "response_waves"))
-        .map(|(at, _)| at)
-        .collect();
+    let at: Vec<usize> = (names
+        .enumerate()
+        .filter(|(_, name)| *name == "response_waves"))
+    .map(|(at, _)| at)
+    .collect();
     assert_eq!(at.len(), 1, "{csv}");
     let waves = csv.lines().nth(1).unwrap().split(',').nth(at[0]).unwrap();
     assert!(waves.parse::<u32>().unwrap() > 64, "{csv}");
