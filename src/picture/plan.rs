@@ -151,7 +151,7 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     }
 }
 
-/// The extent of all boxes of `Rooms`, at any height. `None` if there are no boxes.
+/// The extent of all boxes of `Rooms`, at any height. `None` without boxes.
 fn rooms_extent(surface: &Surface, rooms: &Rooms) -> Option<Bounds> {
     let of_box = |of: &AirBox| corners(surface, of.from, of.to);
     let corners: Vec<Vec3> = rooms.boxes().iter().flat_map(of_box).collect();

@@ -24,7 +24,7 @@ impl HiddenReflections {
             let is_same = |known: &Vertex| {
                 let between = known.point - vertex.point;
                 let height = between.dot(vertex.normal).abs();
-                // Normals that deviate by this much raise a point by as much of its distance.
+                // A tilt of the plane by `SAME_NORMAL` raises a point by this share of its distance.
                 known.normal.distance(vertex.normal) <= SAME_NORMAL
                     && height <= SAME_NORMAL * between.length().max(1.0)
             };

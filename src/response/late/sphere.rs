@@ -125,7 +125,7 @@ impl LateSphere {
         }
     }
 
-    /// The sphere for responses with these settings. Without figures nothing is compared, and the inner sphere is left out.
+    /// The sphere for responses with these settings. Without figures the inner sphere is left out.
     pub fn for_settings(pair: Pair, order: u32, settings: &ResponseSettings) -> LateSphere {
         let sphere = LateSphere::of(pair, order, settings.accuracy.as_ref());
         LateSphere {
