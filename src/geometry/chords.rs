@@ -2,6 +2,7 @@
 
 use super::closed_form::Placed;
 use super::exact::ExactScene;
+use super::false_position::root;
 use glam::DVec3;
 
 /// Minimum step along a line, as a share of its length. Parts of the line that are shorter can be missed: 10 nm on a
@@ -10,9 +11,6 @@ const LEAST_STEP: f64 = 1e-9;
 
 /// Depth below which a point counts as on the surface, in error bounds of positions.
 const DEPTH: f64 = 8.0;
-
-/// Halvings of a step in which the line passes a surface. The step then has the length of a rounding error.
-const HALVINGS: usize = 60;
 
 /// Maximum number of steps along a line. A line that approaches a plane at 0.2° takes 10,000.
 const MOST_STEPS: usize = 20_000;
@@ -200,8 +198,9 @@ impl Line {
     /// The first point after `from`, and before `end`, at which the line enters the solid, or leaves it if `is_inside`.
     /// The outer `None` stands for too many steps.
     ///
-    /// No point is nearer to the surface than the value of its distance, so this value is a safe step on both sides.
-    /// Steps double while the line is in contact with the surface, so that a line along a plane ends.
+    /// No point is nearer to the surface than the value of its distance, so this value is a safe step on both sides. At
+    /// meshes a step reaches the next face. Steps double while the line is in contact with the surface, so that a line
+    /// along a plane ends.
     fn next_change(
         &self,
         placed: &Placed,
@@ -216,11 +215,13 @@ impl Line {
             if t >= end {
                 return Some(None);
             }
-            let distance = self.distance(placed, t).abs();
-            floor = if distance < least { 2.0 * floor } else { least };
-            let next = (t + distance.max(floor)).min(end);
+            let here = self.origin + self.direction * t;
+            let line = (here, self.direction);
+            let free = placed.length_on_side(line, is_inside, self.depth / DEPTH);
+            floor = if free < least { 2.0 * floor } else { least };
+            let next = (t + free.max(floor)).min(end);
             if self.is_inside(placed, next) != is_inside {
-                return Some(Some(self.change(placed, t, next, is_inside)));
+                return Some(Some(self.change(placed, t, next)));
             }
             t = next;
         }
@@ -228,17 +229,13 @@ impl Line {
     }
 
     /// The point between `low` and `high` at which the line passes the surface.
-    fn change(&self, placed: &Placed, low: f64, high: f64, is_inside: bool) -> f64 {
-        let (mut low, mut high) = (low, high);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.is_inside(placed, middle) == is_inside {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
+    fn change(&self, placed: &Placed, low: f64, high: f64) -> f64 {
+        let height = |t: f64| self.distance(placed, t) + self.depth;
+        root(
+            height,
+            [low, high].map(|t| (t, height(t))),
+            self.depth / DEPTH,
+        )
     }
 
     fn is_inside(&self, placed: &Placed, t: f64) -> bool {

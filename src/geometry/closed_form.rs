@@ -208,6 +208,23 @@ impl Placed {
         }
     }
 
+    /// Length in metres along a line, from a point in the air or in the solid, on which it does not change sides: for a mesh
+    /// the distance to the next face on the line, for other shapes the distance to the surface.
+    pub fn length_on_side(
+        &self,
+        (origin, direction): (DVec3, DVec3),
+        is_inside: bool,
+        error_bound: f64,
+    ) -> f64 {
+        match self.form {
+            Form::Mesh(ref mesh) => {
+                let (o, d) = (self.local(origin - self.position), self.local(direction));
+                mesh.next_face(o, d, is_inside, error_bound)
+            }
+            _ => self.distance(origin).abs(),
+        }
+    }
+
     /// The groups of the faces of a mesh within `reach` metres of a world point, each once; none for other shapes.
     pub fn groups_near(&self, point: DVec3, reach: f64) -> Vec<usize> {
         match self.form {

@@ -38,6 +38,7 @@ mod distances;
 #[cfg(any(test, feature = "reference"))]
 mod ear;
 mod exact;
+mod false_position;
 mod hierarchy;
 mod hollow;
 mod in_front;

@@ -71,6 +71,16 @@ impl PlacedMesh {
         })
     }
 
+    /// Distance in metres to the first face at which a line enters the solid, or leaves it if it starts inside; infinite
+    /// if there is none.
+    pub fn next_face(&self, o: DVec3, d: DVec3, is_inside: bool, error_bound: f64) -> f64 {
+        let met = match is_inside {
+            true => self.mesh.first_exit(o, d, error_bound, f64::INFINITY),
+            false => self.mesh.first_hit(o, d, error_bound, f64::INFINITY),
+        };
+        met.map_or(f64::INFINITY, |(t, _)| t)
+    }
+
     /// The groups of the faces within `reach` metres of a point, each once.
     pub fn groups_near(&self, p: DVec3, reach: f64) -> Vec<usize> {
         let facets = self.mesh.facets_near(p, reach).into_iter();

@@ -10,6 +10,7 @@
 //!   is thinner than this step can be missed where it stands on a surface of the same field that the line passes at less
 //!   than the step. The parts of a union are tested one by one, so that none hides another.
 
+use super::false_position::root;
 use super::hollow::Hollow;
 use crate::scene::{Bounds3, Shape};
 use glam::DVec3;
@@ -39,9 +40,6 @@ const CLEAR: f64 = 0.5;
 
 /// Greatest length of a secant, as a multiple of the width of the interval beside it.
 const NEAR: f64 = 2.0;
-
-/// Maximum number of steps to the point at which a line enters a solid. False position needs about ten.
-const ROOT_STEPS: usize = 60;
 
 /// Margin of bounding boxes, as a share of the extent.
 const SPARE: f64 = 1e-5;
@@ -259,30 +257,10 @@ impl Line<'_> {
         None
     }
 
-    /// The point between a sample in the air and one in the solid at which the line enters the solid, by false position
-    /// with halved ends (the Illinois method).
-    fn root(&self, mut air: Sample, mut solid: Sample) -> f64 {
-        let mut was_air = None;
-        for _ in 0..ROOT_STEPS {
-            let share = air.distance / (air.distance - solid.distance);
-            let middle = self.at(air.t + share * (solid.t - air.t));
-            if middle.distance.abs() <= self.touch || solid.t - air.t <= self.touch {
-                return middle.t;
-            }
-            let is_air = middle.distance > 0.0;
-            match is_air {
-                true => air = middle,
-                false => solid = middle,
-            }
-            if was_air == Some(is_air) {
-                match is_air {
-                    true => solid.distance *= 0.5,
-                    false => air.distance *= 0.5,
-                }
-            }
-            was_air = Some(is_air);
-        }
-        air.t
+    /// The point between a sample in the air and one in the solid at which the line enters the solid.
+    fn root(&self, air: Sample, solid: Sample) -> f64 {
+        let ends = [air, solid].map(|sample| (sample.t, sample.distance));
+        root(|t| self.at(t).distance, ends, self.touch)
     }
 }
 

@@ -50,6 +50,7 @@ pub(crate) use triangle::Triangle;
 use super::shape::Bounds3;
 use facets::Facets;
 use glam::{DVec3, Vec3};
+use std::convert::identity;
 use std::path::Path;
 use std::sync::OnceLock;
 use tree::Tree;
@@ -257,8 +258,23 @@ impl TriangleMesh {
         error_bound: f64,
         until: f64,
     ) -> Option<(f64, u32)> {
+        let line = (origin, direction);
         self.tree()
-            .first_hit(self, origin, direction, error_bound, until)
+            .first_hit(self, identity, line, error_bound, until)
+    }
+
+    /// The first face met from its solid side, as [`TriangleMesh::first_hit`] from the air side.
+    pub(crate) fn first_exit(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        error_bound: f64,
+        until: f64,
+    ) -> Option<(f64, u32)> {
+        let reversed = |triangle: Triangle| triangle.reversed();
+        let line = (origin, direction);
+        self.tree()
+            .first_hit(self, reversed, line, error_bound, until)
     }
 
     /// The faces in one plane and of one group that have a triangle within `reach` metres of a point, each once. All

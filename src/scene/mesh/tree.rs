@@ -187,12 +187,13 @@ impl Tree {
         }
     }
 
-    /// See [`TriangleMesh::first_hit`]. At equal distances the triangle with the smaller index is hit.
+    /// See [`TriangleMesh::first_hit`] and [`TriangleMesh::first_exit`]. `facing` returns a triangle as the line meets
+    /// it. At equal distances the triangle with the smaller index is hit.
     pub fn first_hit(
         &self,
         mesh: &TriangleMesh,
-        o: DVec3,
-        d: DVec3,
+        facing: impl Fn(Triangle) -> Triangle,
+        (o, d): (DVec3, DVec3),
         error_bound: f64,
         until: f64,
     ) -> Option<(f64, u32)> {
@@ -221,7 +222,7 @@ impl Tree {
                 continue;
             }
             for &index in self.leaf(node) {
-                let Some(t) = mesh.triangle(index).hit(o, d, error_bound) else {
+                let Some(t) = facing(mesh.triangle(index)).hit(o, d, error_bound) else {
                     continue;
                 };
                 let is_before = found.is_some_and(|(known, other)| t == known && index < other);
