@@ -1,5 +1,12 @@
 """An opening in an endless rigid wall, line source in front: the modes of the opening, a short duct, are matched to the
-fields of the two half spaces. See boundary_elements.py for the conventions."""
+fields of the two half spaces. See boundary_elements.py for the conventions and the environment.
+
+    VENV/bin/python scripts/references/doorway.py
+
+writes tests/diffraction/oracle/doorways.tsv: levels in octave bands behind openings of several sizes.
+"""
+
+from pathlib import Path
 
 import numpy as np
 from scipy.special import hankel1
@@ -83,3 +90,54 @@ def pressures(k, sources, receivers, modes=MODES):
     radiated = -(0.5j * hankel1(0, k * away) * weight) @ mode(np.arange(modes)[:, None], y).T @ gradients
     free = 0.25j * hankel1(0, k * np.abs(sources[:, None] - receivers))
     return radiated.T / free
+
+
+SPEED_OF_SOUND = 343.0  # m/s
+OCTAVES = [125, 250, 500, 1000, 2000, 4000]  # Hz
+OUTPUT = Path(__file__).parents[2] / "tests/diffraction/oracle/doorways.tsv"
+# Thickness and width in m.
+OPENINGS = [(0.1, 0.9), (0.2, 0.9), (0.3, 0.9), (0.1, 1.5), (0.25, 0.7), (0.15, 1.2)]
+# Places drawn for each opening, besides the fixed ones.
+DRAWN_SOURCES, DRAWN_RECEIVERS, SEED = 1, 5, 3
+
+
+def octave_levels(centre, sources, receivers):
+    """Levels in dB relative to the open: means of nine frequencies, a row for each source."""
+    energy = 0
+    for step in range(-4, 5):
+        k = 2 * np.pi * centre * 2 ** (step / 9) / SPEED_OF_SOUND
+        modes = max(24, int(6 * WIDTH * k / np.pi) + 8)
+        energy = energy + np.abs(pressures(k, sources, receivers, modes)) ** 2
+    return 10 * np.log10(energy / 9)
+
+
+def rows(thickness, width, random):
+    global THICKNESS, WIDTH
+    THICKNESS, WIDTH = thickness, width
+    fixed_sources, fixed_receivers = places()
+    drawn = [-random.uniform(1.5, 4, DRAWN_SOURCES), random.uniform(-1, 1.5, DRAWN_SOURCES)]
+    sources = np.concatenate([fixed_sources, drawn[0] + 1j * drawn[1]]).round(2)
+    drawn = [random.uniform(1, 4, DRAWN_RECEIVERS), random.uniform(-2.5, 2.5, DRAWN_RECEIVERS)]
+    receivers = np.concatenate([fixed_receivers, drawn[0] + 1j * drawn[1]]).round(2)
+    levels = np.array([octave_levels(centre, sources, receivers) for centre in OCTAVES])
+    for s, source in enumerate(sources):
+        for r, receiver in enumerate(receivers):
+            ends = [source.real, source.imag, receiver.real, receiver.imag]
+            yield [thickness, width, *ends, *levels[:, s, r].round(2)]
+
+
+def main():
+    random = np.random.default_rng(SEED)
+    bands = "\t".join(f"{centre} Hz" for centre in OCTAVES)
+    lines = [
+        "# Levels in dB of a line source behind an opening in an endless rigid wall, relative to the open: means of octave",
+        "# bands, made by: python scripts/references/doorway.py",
+        f"# thick_m\twidth_m\tsource x\ty\treceiver x\ty\t{bands}",
+    ]
+    for opening in OPENINGS:
+        lines += ["\t".join(f"{number:g}" for number in row) for row in rows(*opening, random)]
+    OUTPUT.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
