@@ -38,7 +38,7 @@ impl Brink {
         // In the shadow the solid is on the side of the other leg, which is turned by more than half a circle.
         let outwards = edge.point - other;
         let face = edge.face_beside(space, (end, outwards), FIRST * leg_m)?;
-        Brink::of_face(space, edge, face, leg_m)
+        Brink::of_face(space, edge, face, [FIRST * leg_m, leg_m])
     }
 
     /// The line of the end.
@@ -46,17 +46,17 @@ impl Brink {
         self.edge
     }
 
-    /// The end of the face with these unit vectors along it, away from the edge, and out of the solid; `None` if it is wider
-    /// than `most_m` metres.
+    /// The end of the face with these unit vectors along it, away from the edge, and out of the solid; `None` if it is
+    /// narrower than `least_m` or wider than `most_m` metres.
     pub fn of_face(
         space: &impl Space,
         edge: &Edge,
         (along_face, outwards): (DVec3, DVec3),
-        most_m: f64,
+        [least_m, most_m]: [f64; 2],
     ) -> Option<Brink> {
         let is_past =
             |metres: f64| space.distance(edge.point + along_face * metres) > PAST * metres;
-        let mut from = FIRST * most_m;
+        let mut from = least_m;
         if is_past(from) {
             return None;
         }

@@ -75,7 +75,7 @@ impl Rim {
             space,
             planes,
             above: &above,
-            touches,
+            touches: &touches,
             detours,
         };
         let mut rims: Vec<Rim> = Vec::new();
@@ -85,11 +85,11 @@ impl Rim {
                 continue;
             };
             let owners = search.owners(&basin, rim, &mut rims);
-            let samples = basin.samples(&detours);
             for (number, rim) in rims.iter_mut().enumerate() {
                 let own = owners.map(|owner| owner == Some(number));
                 if own.contains(&true) {
-                    rim.add(planes, samples.clone(), own);
+                    let detours = rim.over_its_line(planes, &touches, detours);
+                    rim.add(planes, basin.samples(&detours), own);
                 }
             }
         }
@@ -117,19 +117,24 @@ impl Rim {
             };
             let (rim, is_nearest) = Rim::nearest(space, planes, edge, azimuth);
             if is_nearest {
-                return rim.if_edge(space);
+                return rim.if_edge(space, planes, (azimuth, above));
             }
             last.get_or_insert(rim);
             let (source, listener) = planes.ends();
             azimuth = planes.azimuth_of(edge.shortest(source, listener));
         }
-        last?.if_edge(space)
+        last?.if_edge(space, planes, (azimuth, above))
     }
 
     /// The edge on this line, which a tent in the half-plane of an azimuth touches.
-    fn on_edge(space: &impl Space, planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Option<Rim> {
+    fn on_edge(
+        space: &impl Space,
+        planes: &HalfPlanes,
+        edge: Edge,
+        (azimuth, above): (f64, Option<&TautString>),
+    ) -> Option<Rim> {
         let (rim, _) = Rim::nearest(space, planes, edge, azimuth);
-        rim.if_edge(space)
+        rim.if_edge(space, planes, (azimuth, above))
     }
 
     /// The edge at the point with the shortest way and `true`, or at the point that a tent touches if it does not lie on a
@@ -147,9 +152,31 @@ impl Rim {
     }
 
     /// The edge with the surfaces about it; `None` if the surface is plane there. An edge on the straight way always counts.
-    fn if_edge(self, space: &impl Space) -> Option<Rim> {
+    fn if_edge(
+        self,
+        space: &impl Space,
+        planes: &HalfPlanes,
+        (azimuth, above): (f64, Option<&TautString>),
+    ) -> Option<Rim> {
         let is_edge = self.touches_the_straight_way() || self.is_edge(space);
-        is_edge.then(|| self.with_faces(space))
+        is_edge.then(|| {
+            let rim = self.with_faces(space);
+            if above.is_none() {
+                return rim;
+            }
+            let other = rim.at_other_end(space, planes, azimuth);
+            let nearer = other.filter(|other| other.length_m < rim.length_m);
+            nearer.unwrap_or(rim)
+        })
+    }
+
+    /// The edge at the other end of a narrow face beside this one. Which of both a tent touches first may depend on
+    /// rounding.
+    fn at_other_end(&self, space: &impl Space, planes: &HalfPlanes, azimuth: f64) -> Option<Rim> {
+        let edge = self.faces.iter().find_map(FaceBeside::other_end)?;
+        let (rim, _) = Rim::nearest(space, planes, edge, azimuth);
+        let rim = rim.with_faces(space);
+        rim.has_on_strip(self.point()).then_some(rim)
     }
 
     fn at(planes: &HalfPlanes, edge: Edge, azimuth: f64) -> Rim {
@@ -194,6 +221,28 @@ impl Rim {
     /// Whether a point lies on the line of the edge.
     fn has_on_line(&self, point: DVec3) -> bool {
         self.edge.is_near(point, self.near_m())
+    }
+
+    /// Whether a point lies on the other end of a narrow face beside the edge.
+    fn has_on_strip(&self, point: DVec3) -> bool {
+        let mut faces = self.faces.iter();
+        faces.any(|face| face.ends_at(point, self.near_m()))
+    }
+
+    /// The detours of half-planes, over the line of the edge where tents touch the other end of a face beside it.
+    fn over_its_line(
+        &self,
+        planes: &HalfPlanes,
+        touches: &Touches,
+        mut detours: Detours,
+    ) -> Detours {
+        for (index, detour) in detours.iter_mut().enumerate() {
+            if touches[index].is_some_and(|touch| self.has_on_strip(touch)) {
+                let point = planes.on_line(&self.edge, index as f64 * STEP);
+                *detour = point.map(|point| planes.detour_m(point)).or(*detour);
+            }
+        }
+        detours
     }
 
     /// Distance in metres up to which points are the same.
@@ -366,9 +415,10 @@ fn place(rims: &mut Vec<Rim>, rim: Rim) -> usize {
     })
 }
 
-/// The index of the edge on whose line a point lies.
+/// The index of the edge on whose line a point lies, or at a narrow face of which it lies on the other end.
 fn on_line_of(rims: &[Rim], point: DVec3) -> Option<usize> {
-    rims.iter().position(|rim| rim.has_on_line(point))
+    let on_line = rims.iter().position(|rim| rim.has_on_line(point));
+    on_line.or_else(|| rims.iter().position(|rim| rim.has_on_strip(point)))
 }
 
 /// The search for the edges that the half-planes of a basin touch.
@@ -377,7 +427,7 @@ struct Search<'a, S, F> {
     planes: &'a HalfPlanes,
     /// The strings above which edges are sought.
     above: &'a F,
-    touches: Touches,
+    touches: &'a Touches,
     detours: Detours,
 }
 
@@ -412,8 +462,9 @@ impl<'a, S: Space, F: Fn(usize) -> Option<Option<&'a TautString>>> Search<'_, S,
                 let mut known = owners.into_iter().flatten();
                 let parallel = known.find(|owner| rims[*owner].edge.is_parallel_to(&edge));
                 let owner = parallel.or_else(|| {
-                    let azimuth = shortest as f64 * STEP;
-                    let rim = Rim::on_edge(self.space, self.planes, edge, azimuth)?;
+                    let above = (self.above)(shortest).flatten();
+                    let tent = (shortest as f64 * STEP, above);
+                    let rim = Rim::on_edge(self.space, self.planes, edge, tent)?;
                     Some(place(rims, rim))
                 });
                 for index in own {

@@ -23,6 +23,9 @@ pub(super) const STEP: f64 = TAU / HALF_PLANES as f64;
 /// Factor between the heights of tents that are tried in search of an obstacle beyond a free one.
 const RAISED_BEYOND: f64 = 1.5;
 
+/// Error of the height of the tent with the greatest detour, as a share of that of the tent before.
+const HIGHEST: f64 = 0.01;
+
 /// Height of the first tent above a string, as a share of the distance between its ends, and the number of heights that
 /// are tried. The height above the string doubles from one to the next.
 const OVER: f64 = 1e-4;
@@ -43,6 +46,10 @@ pub(super) const FINE: f64 = 1e-8;
 
 /// Number of places along a free way at which the distance to surfaces is measured.
 const CLEAR_PLACES: usize = 32;
+
+/// Share of the greatest height of a contact above the straight line from which a contact is as high: heights of contacts
+/// have the error [`COARSE`].
+const SAME_HEIGHT: f64 = 0.999;
 
 /// Contacts of a string with solids that are followed between its first and its last.
 const MOST_INNER_DEPTH: u32 = 2;
@@ -74,10 +81,14 @@ impl TautString {
         straight + arcs + from.distance(self.listener)
     }
 
-    /// The contact about half way.
+    /// The contact that is farthest from the line between source and listener: the last one if several are equally far.
     fn highest(&self) -> DVec3 {
-        let middle = self.contacts.get(self.contacts.len() / 2);
-        middle.map_or(self.source, |contact| contact.point)
+        let line = self.listener - self.source;
+        let height_m = |point: &DVec3| (point - self.source).reject_from(line).length();
+        let points = || self.contacts.iter().map(|contact| contact.point);
+        let highest_m = points().map(|point| height_m(&point)).fold(0.0, f64::max);
+        let is_highest = |point: &DVec3| height_m(point) >= SAME_HEIGHT * highest_m;
+        points().rev().find(is_highest).unwrap_or(self.source)
     }
 
     /// The way along the surface of a string with a single turn.
@@ -299,15 +310,20 @@ impl HalfPlanes {
         apex: impl Fn(f64) -> DVec3,
         is_free: impl Fn(f64) -> bool,
     ) -> Option<(f64, f64)> {
+        let is_near = |height: f64| self.detour_m(apex(height)) < most_m;
         let mut height = free.max(0.5 * LOWEST) * RAISED_BEYOND;
-        while self.detour_m(apex(height)) < most_m {
+        while is_near(height) {
             if !is_free(height) {
                 return Some((height, free));
             }
             free = height;
             height *= RAISED_BEYOND;
         }
-        None
+        if !is_near(free) {
+            return None;
+        }
+        let (_, highest) = bisect(height, free, HIGHEST * free, is_near);
+        (!is_free(highest)).then_some((highest, free))
     }
 
     /// The strings in evenly spread half-planes, from azimuth 0.

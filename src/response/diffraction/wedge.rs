@@ -104,16 +104,13 @@ impl Wedge {
         }
     }
 
-    /// How much the diffracted reflections at the first and at the second face belong to the direct sound, from 0 where
-    /// the reflection at the face begins or is heard, to 1 at the boundary of the direct sound.
+    /// How much the diffracted reflections at the first and at the second face belong to the direct sound
+    /// ([`share_of_direct`]).
     pub fn shares_of_direct(&self) -> [f64; 2] {
-        let share = |near: f64, far: f64| {
-            ((far + near - PI) / (2.0 * near).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
-        };
         let (source, receiver) = (self.source_angle, self.receiver_angle);
         [
-            share(source, receiver),
-            share(self.air_angle - receiver, self.air_angle - source),
+            share_of_direct(source, receiver),
+            share_of_direct(self.air_angle - receiver, self.air_angle - source),
         ]
     }
 
@@ -180,6 +177,13 @@ impl Wedge {
         }
         rest + pole.map_or(Complex64::ZERO, |pole| pole.integral())
     }
+}
+
+/// How much the diffracted reflection at a face belongs to the direct sound, from 0 where the reflection begins or is
+/// heard, to 1 at the boundary of the direct sound. `near` and `far` are the angles in radians from the face of the end
+/// beside it and of the other end.
+pub(super) fn share_of_direct(near: f64, far: f64) -> f64 {
+    ((far + near - PI) / (2.0 * near).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
 /// The parts of the integrand at a node of the quadrature that do not depend on φ.
