@@ -17,7 +17,8 @@
 //! end.
 
 use super::mirrored::on_face_m;
-use super::ring::{self, Detours, Samples, all_samples};
+use super::ring::{self, Detours, all_samples};
+use super::samples::Samples;
 use super::string::length;
 use super::tent::bisect;
 use crate::geometry::ExactScene;

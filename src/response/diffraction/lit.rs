@@ -66,7 +66,7 @@ impl Lit {
         let beside = |rim: Rim| {
             let planes = planes.around_what_is_beside(rim.half_planes, MOST_DETOUR_M);
             Beside {
-                far: Ways::around(space, &planes),
+                far: Ways::around(space, &planes).behind(&rim),
                 rim,
             }
         };

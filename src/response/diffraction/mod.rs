@@ -26,6 +26,7 @@
 mod bend;
 mod beyond;
 mod brink;
+mod completed;
 mod curvature;
 #[cfg(test)]
 mod doorways;
@@ -42,6 +43,7 @@ mod profile;
 mod rim;
 mod ring;
 mod round;
+mod samples;
 mod space;
 mod string;
 mod tent;

@@ -9,7 +9,8 @@ use super::beyond::FaceBeside;
 use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
 use super::errors::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::narrow::factor_of;
-use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
+use super::ring::{self, Basin, Detours, all_samples};
+use super::samples::{LEAST_DETOUR_M, Samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::touch::{MOST_DETOUR_M, edge_at, touched};
@@ -243,6 +244,19 @@ impl Rim {
             }
         }
         detours
+    }
+
+    /// Angle in radians by which the half-planes of the edge reach beyond this one, in the direction of falling (0) or of
+    /// rising azimuths (1): half of the angle to the next one if that touches another edge.
+    pub fn angle_beyond(&self, index: usize, side: usize) -> f64 {
+        let next = (index + [HALF_PLANES - 1, 1][side]) % HALF_PLANES;
+        let angle = |(samples, own): &(Samples, [bool; HALF_PLANES])| match own[index] && !own[next]
+        {
+            true if samples.outer()[side].0 == index => samples.ends()[side].angle(),
+            true => 0.5 * STEP,
+            false => 0.0,
+        };
+        self.own.iter().map(angle).fold(0.0, f64::max)
     }
 
     /// Distance in metres up to which points are the same.

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 pub(super) const LOWEST: f64 = 0.01;
 
 /// Greatest height of a tent, as a share of the distance between its ends.
-const HIGHEST: f64 = 4.0;
+pub(super) const HIGHEST: f64 = 4.0;
 
 /// Factor between the heights that are tried: an opening between two obstacles is found if its farther rim is that much
 /// farther from the line than the nearer one.

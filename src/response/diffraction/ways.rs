@@ -1,14 +1,14 @@
 //! All ways around an obstacle, and the sum of their pressures.
 
-use super::bend::{Abutment, Bend};
-use super::edge::ON_SURFACE;
+use super::bend::Bend;
+use super::completed::{add_images, add_lines, up_to_its_ends};
 use super::errors::{GAP_ERRORS_DB, errors_of_bend_db};
-use super::images::Images;
 use super::interference::Sound;
 use super::narrow::{factor_of, wideness};
 use super::rim::Rim;
-use super::ring::{self, Basin, Detours, LEAST_DETOUR_M, Samples, all_samples};
+use super::ring::{self, Basin, Detours, all_samples};
 use super::round::Arc;
+use super::samples::{End, LEAST_DETOUR_M, Samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
 use super::wedge::behind_screen;
@@ -120,6 +120,10 @@ impl Ways {
                 continue;
             };
             let own = basin.samples(&detours);
+            let own = match planes.are_beside() {
+                true => own,
+                false => up_to_its_ends(space, planes, bend, (own, &detours)),
+            };
             match bends.iter_mut().find(|way| way.bend.is_same(bend)) {
                 Some(way) => way.own.push(own),
                 None => {
@@ -150,6 +154,22 @@ impl Ways {
             apart_m,
             wide_m,
         }
+    }
+
+    /// The ways around the far side of the obstacle of an edge beside a free way: their border reaches as far as the
+    /// half-planes of the edge do. There both are continuous with the ways behind the edge.
+    pub fn behind(mut self, rim: &Rim) -> Ways {
+        let reaching = |samples: Samples| {
+            let end = |side: usize| {
+                let (index, detour_m) = samples.outer()[side];
+                let angle = rim.angle_beyond(index, side);
+                (angle > 0.0).then_some(End::Until { angle, detour_m })
+            };
+            let ends = [end(0), end(1)];
+            samples.with_ends(ends)
+        };
+        self.border = self.border.into_iter().map(reaching).collect();
+        self
     }
 
     /// The direction away from the solid if an edge lies on the straight way, or if the strings have no way over their
@@ -485,46 +505,4 @@ fn wide_m(
     }
     let of_ways = basins.iter().filter_map(|basin| detours[basin.shortest]);
     of_ways.fold(0.0, f64::max) / NARROW_ENDLESS
-}
-
-/// Adds the ways over the lines of a bend's edges in half-planes without a string, where they are free.
-fn add_lines(space: &impl Space, planes: &HalfPlanes, bend: &Bend, detours: &mut Detours) {
-    let is_missing = |index: &usize| detours[*index].is_none() && planes.is_sought(*index);
-    let missing: Vec<usize> = (0..HALF_PLANES).filter(is_missing).collect();
-    if missing.is_empty() {
-        return;
-    }
-    let azimuths: Vec<f64> = missing.iter().map(|index| *index as f64 * STEP).collect();
-    let are_free = bend.are_free_over_lines(space, planes, &azimuths);
-    for ((index, azimuth), is_free) in missing.into_iter().zip(azimuths).zip(are_free) {
-        let length = bend.length_over_lines(planes, azimuth).filter(|_| is_free);
-        detours[index] = length.map(|length| length - planes.apart_m());
-    }
-}
-
-/// Adds the strings around a round body in half-planes where a floor or a ceiling is in the way, in which the body ends.
-fn add_images(
-    space: &impl Space,
-    planes: &HalfPlanes,
-    bend: &Bend,
-    (strings, detours): (&mut [Option<TautString>], &mut Detours),
-) {
-    let faces = Abutment::of(space, bend);
-    if faces.is_empty() {
-        return;
-    }
-    let images = Images {
-        space,
-        faces: &faces,
-        error_m: ON_SURFACE * bend.length_m,
-    };
-    for (index, (known, detour)) in strings.iter_mut().zip(detours).enumerate() {
-        if detour.is_some() || !planes.is_sought(index) {
-            continue;
-        }
-        *known = planes.coarse_string(&images, index as f64 * STEP);
-        *detour = known
-            .as_ref()
-            .map(|string| string.length_m() - planes.apart_m());
-    }
 }
