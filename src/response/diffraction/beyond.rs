@@ -17,7 +17,7 @@ use num_complex::Complex64;
 /// Distance from an edge at which the normals of its faces are measured, as a share of the leg.
 const NEAR_EDGE: f64 = 0.002;
 
-/// Width of the narrowest face whose two ends are told apart, as a share of the way: 2 cm in 5 m. A wall of this
+/// Width of the narrowest face with two separate ends, as a share of the way: 2 cm in 5 m. A wall of this
 /// thickness is a thin screen up to 8 kHz.
 const NARROWEST: f64 = 0.004;
 

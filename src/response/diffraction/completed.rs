@@ -14,11 +14,11 @@ use super::tent::{HIGHEST, bisect};
 /// over all half-planes.
 const END_ERROR: f64 = 0.03;
 
-/// Detour over an edge, as a share of the distance between source and listener, from which the edge counts as endless: no
-/// way is sought over tents that are higher.
+/// Detour over an edge, as a share of the distance between source and listener, from which the edge counts as endless: the
+/// greatest height of a tent.
 const ENDLESS: f64 = HIGHEST;
 
-/// Samples that reach as far beyond their outer half-planes as ways lead over an edge that ends between two half-planes.
+/// Samples extended beyond their outer half-planes, up to the azimuth at which the edge below the ways ends.
 pub(super) fn up_to_its_ends(
     space: &impl Space,
     planes: &HalfPlanes,
@@ -45,7 +45,7 @@ pub(super) fn up_to_its_ends(
         let azimuth = |angle: f64| index as f64 * STEP + towards * angle;
         let has_way = |angle: f64| detour_m(azimuth(angle)).is_some();
         let (beyond, angle) = bisect(STEP, 0.0, END_ERROR * STEP, has_way);
-        // Over an endless edge the ways become longer until none is sought.
+        // Over an endless edge the search stops at tents of the greatest height.
         over_lines_m(azimuth(beyond)).filter(|detour_m| *detour_m < ENDLESS * planes.apart_m())?;
         Some(End::Until {
             angle,

@@ -83,6 +83,29 @@ fn levels_behind_a_jamb_do_not_jump_at_the_height_of_its_end() {
     }
 }
 
+/// Protects walks past doorways between rooms: at 63 to 250 Hz less than 0.6 % of the steps of 1 cm change the direct sound by
+/// more than 0.5 dB, and none by more than 1.6 dB.
+#[test]
+#[ignore = "takes a minute, and repeats figures of docs/acoustics.md"]
+fn few_steps_past_doorways_between_rooms_jump() {
+    let doors = [(5.2, [1.5, 2.4]), (5.1, [0.8, 1.7]), (5.3, [2.0, 2.9])];
+    let sources = [[2.5, 1.4, 2.6], [3.2, 1.1, 0.7], [4.0, 1.5, 2.0]];
+    let mut steps: Vec<f64> = Vec::new();
+    for ((far, sides), source) in doors.iter().flat_map(|door| sources.map(|at| (*door, at))) {
+        let ends = |z: i32| {
+            let listener = DVec3::new(6.2, 1.6, 0.01 * f64::from(z));
+            (DVec3::from_array(source), listener)
+        };
+        let exact = rooms(2.7, far, sides, 2.05, ends(0));
+        let walk: Vec<Bands> = (-80..=480).map(|z| direct(&exact, ends(z))).collect();
+        steps.extend(walk.windows(2).map(|step| greatest_step_db(step, 250.0)));
+    }
+    let jumps = steps.iter().filter(|step| **step > 0.5).count() as f64;
+    let share = jumps / steps.len() as f64;
+    let most = steps.iter().copied().fold(0.0, f64::max);
+    assert!(share < 0.006 && most < 1.6, "{share}, at most {most} dB");
+}
+
 /// Protects ways beside a second edge: a line between the two edges of a lintel counts as none of them.
 #[test]
 fn levels_behind_a_jamb_below_a_lintel_are_continuous() {
