@@ -18,13 +18,17 @@ const END_ERROR: f64 = 0.03;
 /// greatest height of a tent.
 const ENDLESS: f64 = HIGHEST;
 
-/// Samples extended beyond their outer half-planes, up to the azimuth at which the edge below the ways ends.
+/// Samples of what hides the source, extended beyond their outer half-planes up to the azimuth at which the edge below the
+/// ways ends. Only sharp edges end so.
 pub(super) fn up_to_its_ends(
     space: &impl Space,
     planes: &HalfPlanes,
     bend: &Bend,
     (samples, detours): (Samples, &Detours),
 ) -> Samples {
+    if planes.are_beside() || !bend.is_sharp() {
+        return samples;
+    }
     let over_lines_m =
         |azimuth: f64| Some(bend.length_over_lines(planes, azimuth)? - planes.apart_m());
     let detour_m = |azimuth: f64| match planes.coarse_string(space, azimuth) {
@@ -52,9 +56,6 @@ pub(super) fn up_to_its_ends(
             detour_m: detour_m(azimuth(angle)).unwrap_or(outer_m),
         })
     };
-    if !bend.is_sharp() {
-        return samples;
-    }
     let ends = [end(0), end(1)];
     samples.with_ends(ends)
 }

@@ -1,10 +1,9 @@
 //! Levels while a listener walks past doorways: pressures are continuous, so that a level changes little in a centimetre.
 
-use super::{Ends, Mirror, around, around_mirrored, beside, tests};
+use super::{Ends, Mirror, around_mirrored, tests};
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
 use crate::geometry::ExactScene;
 use glam::DVec3;
-use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 const SPEED: f64 = 343.0;
@@ -30,14 +29,9 @@ fn greatest_step_db(levels: &[Bands], until_hz: f64) -> f64 {
     levels.windows(2).map(step).fold(0.0, f64::max)
 }
 
-/// The energies of the direct sound, relative to the open, in sight and hidden.
+/// The energies of the direct sound, relative to the open.
 fn direct(exact: &ExactScene, ends: Ends) -> Bands {
-    let paths = around(exact, ends, SPEED, WALLS);
-    if paths.is_empty() {
-        return beside(exact, ends, SPEED, WALLS).energy;
-    }
-    let open = 4.0 * PI * ends.0.distance_squared(ends.1);
-    std::array::from_fn(|band| paths.iter().map(|path| path.energy[band] * open).sum())
+    tests::direct(exact, ends, WALLS)
 }
 
 /// The energies of the direct sound at these places along z, in centimetres.

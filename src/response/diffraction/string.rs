@@ -24,7 +24,7 @@ pub(super) const STEP: f64 = TAU / HALF_PLANES as f64;
 const RAISED_BEYOND: f64 = 1.5;
 
 /// Error of the height of the tent with the greatest detour, as a share of that of the tent before.
-const HIGHEST: f64 = 0.01;
+const GREATEST_ERROR: f64 = 0.01;
 
 /// Height of the first tent above a string, as a share of the distance between its ends, and the number of heights that
 /// are tried. The height above the string doubles from one to the next.
@@ -322,7 +322,7 @@ impl HalfPlanes {
         if !is_near(free) {
             return None;
         }
-        let (_, highest) = bisect(height, free, HIGHEST * free, is_near);
+        let (_, highest) = bisect(height, free, GREATEST_ERROR * free, is_near);
         (!is_free(highest)).then_some((highest, free))
     }
 

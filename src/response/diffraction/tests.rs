@@ -6,6 +6,7 @@ use super::ways::{Way, Ways};
 use super::wedge::{Wedge, shadow_function};
 use super::{DiffractedPath, Ends, Reflection, around, beside, intercepted, within_faces};
 use crate::Scene;
+use crate::bands::{self, Bands};
 use crate::geometry::ExactScene;
 use crate::sampling::Random;
 use glam::DVec3;
@@ -254,7 +255,7 @@ fn levels_behind_a_jamb_are_those_of_the_modes_of_the_opening() {
         let ends = [source, listener].map(|[aside, from]| DVec3::new(aside, 0.0, from));
         let exact = exact(&format!("{}, {}", wall(1.0), wall(-1.0)), ends.into());
         let paths = around(&exact, ends.into(), SPEED, |_, _| [1.0; 8]);
-        let energy = crate::bands::sum(paths.iter().map(|path| &path.energy));
+        let energy = bands::sum(paths.iter().map(|path| &path.energy));
         let open = 4.0 * PI * ends[0].distance_squared(ends[1]);
         for (band, exact_db) in exact_db.into_iter().enumerate() {
             errors.push((0.0, 10.0 * (energy[band] * open).log10() - exact_db));
@@ -360,7 +361,7 @@ fn levels_along_the_top_of_a_wall_are_those_just_below() {
     let levels = |height: f64| {
         let ends = ends(height);
         let paths = around(&exact, ends, SPEED, |_, _| [1.0; 8]);
-        crate::bands::sum(paths.iter().map(|path| &path.energy))
+        bands::sum(paths.iter().map(|path| &path.energy))
     };
     for (along, below) in levels(0.0).into_iter().zip(levels(-1e-3)) {
         let step_db = 10.0 * (along / below).log10();
@@ -378,7 +379,7 @@ fn levels_behind_a_thin_wall_change_slowly() {
     let levels = |step: usize| {
         let ends = ends(-0.5 + 0.001 * step as f64);
         let paths = around(&exact, ends, SPEED, |_, _| [1.0; 8]);
-        crate::bands::sum(paths.iter().map(|path| &path.energy))
+        bands::sum(paths.iter().map(|path| &path.energy))
     };
     let all: Vec<_> = (0..300).map(levels).collect();
     for two in all.windows(2) {
@@ -485,6 +486,21 @@ fn a_way_leads_round_the_corner_of_a_narrow_corridor() {
     }
 }
 
+/// The energies of the direct sound, relative to the open, in sight and hidden. `coefficients` are the pressure reflection
+/// coefficients of a surface.
+pub(super) fn direct(
+    exact: &ExactScene,
+    ends: Ends,
+    coefficients: fn(u32, DVec3) -> Bands,
+) -> Bands {
+    let paths = around(exact, ends, SPEED, coefficients);
+    if paths.is_empty() {
+        return beside(exact, ends, SPEED, coefficients).energy;
+    }
+    let open = 4.0 * PI * ends.0.distance_squared(ends.1);
+    bands::sum(paths.iter().map(|path| &path.energy)).map(|all| all * open)
+}
+
 /// Protects levels behind and beside openings in walls of 10 to 30 cm, where the inner face of the far jamb reflects: octave
 /// bands from 125 Hz to 4 kHz against the modes of the opening, in sight and behind a jamb.
 #[test]
@@ -505,15 +521,7 @@ fn levels_behind_doorways_are_those_of_the_modes_of_the_opening() {
         let ends = (DVec3::new(sx, sy, 0.0), DVec3::new(lx, ly, 0.0));
         let exact = exact(&format!("{}, {}", wall(1.0), wall(-1.0)), ends);
         let is_hidden = !exact.is_free(ends.0, ends.1);
-        let rigid = |_, _| [1.0; 8];
-        let energy = match is_hidden {
-            false => beside(&exact, ends, SPEED, rigid).energy,
-            true => {
-                let open = 4.0 * PI * ends.0.distance_squared(ends.1);
-                let paths = around(&exact, ends, SPEED, rigid);
-                crate::bands::sum(paths.iter().map(|path| &path.energy)).map(|all| all * open)
-            }
-        };
+        let energy = direct(&exact, ends, |_, _| [1.0; 8]);
         for (octave, exact_db) in exact_db.iter().enumerate() {
             let error = 10.0 * energy[octave + 1].log10() - exact_db;
             errors[usize::from(is_hidden)][octave].push((0.0, error));

@@ -119,11 +119,8 @@ impl Ways {
             let Some(bend) = near.filter(|bend| turned(bend) <= SAME_BASIN) else {
                 continue;
             };
-            let own = basin.samples(&detours);
-            let own = match planes.are_beside() {
-                true => own,
-                false => up_to_its_ends(space, planes, bend, (own, &detours)),
-            };
+            let samples = basin.samples(&detours);
+            let own = up_to_its_ends(space, planes, bend, (samples, &detours));
             match bends.iter_mut().find(|way| way.bend.is_same(bend)) {
                 Some(way) => way.own.push(own),
                 None => {
