@@ -13,7 +13,7 @@ use super::ring::{self, Basin, Detours, all_samples};
 use super::samples::{LEAST_DETOUR_M, Samples};
 use super::space::Space;
 use super::string::{HALF_PLANES, HalfPlanes, STEP, TautString};
-use super::touch::{MOST_DETOUR_M, edge_at, touched};
+use super::touch::{edge_at, most_detour_m, touched};
 use super::wedge::{Diffracted, Wedge, behind_screen};
 use crate::bands::Bands;
 use glam::DVec3;
@@ -23,8 +23,8 @@ use std::f64::consts::PI;
 /// Difference in radians between the angle of the air and half a turn up to which an edge is a plane.
 const PLANE: f64 = 0.01;
 
-/// Share of the greatest detour up to which reflections at the faces of an edge count fully.
-const ALL_REFLECTED: f64 = 0.5;
+/// Share of the greatest detour up to which an edge counts fully.
+const FULL: f64 = 0.5;
 
 /// An edge beside the way.
 pub(super) struct Rim {
@@ -37,6 +37,8 @@ pub(super) struct Rim {
     pub length_m: f64,
     /// The way that would just touch the edge.
     grazing: Option<Bend>,
+    /// Detour in metres at which the edge no longer counts.
+    most_detour_m: f64,
     /// Half-planes whose tents touch obstacles, and those of them whose tents touch this edge.
     own: Vec<(Samples, [bool; HALF_PLANES])>,
     lines: Vec<Samples>,
@@ -161,7 +163,10 @@ impl Rim {
     ) -> Option<Rim> {
         let is_edge = self.touches_the_straight_way() || self.is_edge(space);
         is_edge.then(|| {
-            let rim = self.with_faces(space);
+            let rim = Rim {
+                most_detour_m: most_detour_m(planes, above),
+                ..self.with_faces(space)
+            };
             if above.is_none() {
                 return rim;
             }
@@ -176,7 +181,10 @@ impl Rim {
     fn at_other_end(&self, space: &impl Space, planes: &HalfPlanes, azimuth: f64) -> Option<Rim> {
         let edge = self.faces.iter().find_map(FaceBeside::other_end)?;
         let (rim, _) = Rim::nearest(space, planes, edge, azimuth);
-        let rim = rim.with_faces(space);
+        let rim = Rim {
+            most_detour_m: self.most_detour_m,
+            ..rim.with_faces(space)
+        };
         rim.has_on_strip(self.point()).then_some(rim)
     }
 
@@ -193,6 +201,7 @@ impl Rim {
             edge,
             own: Vec::new(),
             grazing: None,
+            most_detour_m: 0.0,
             lines: all_samples(&lines),
             faces: [FaceBeside::default(); 2],
             half_planes: [false; HALF_PLANES],
@@ -352,7 +361,7 @@ impl Rim {
         Some(Added {
             direct: (added.direct * (2.0 - ratio) + added.ending * ratio) * strength,
             ending: Complex64::ZERO,
-            reflected: added.reflected * ends.norm_sqr() * self.nearness_of_reflected(),
+            reflected: added.reflected * ends.norm_sqr() * self.nearness(),
             behind,
         })
     }
@@ -385,17 +394,9 @@ impl Rim {
         self.length_m - self.source.distance(self.listener)
     }
 
-    /// How much the edge counts: 1 on the straight way, 0 at the greatest detour.
+    /// How much the edge counts: 1 up to a share of the greatest detour, and 0 there.
     pub fn nearness(&self) -> f64 {
-        (1.0 - (self.detour_m() / MOST_DETOUR_M).powi(2))
-            .max(0.0)
-            .powi(2)
-    }
-
-    /// How much reflections at its faces count: as loud far from the straight way as near it, up to a share of the greatest
-    /// detour.
-    fn nearness_of_reflected(&self) -> f64 {
-        let beyond = (self.detour_m() / MOST_DETOUR_M - ALL_REFLECTED) / (1.0 - ALL_REFLECTED);
+        let beyond = (self.detour_m() / self.most_detour_m - FULL) / (1.0 - FULL);
         (1.0 - beyond.clamp(0.0, 1.0).powi(2)).powi(2)
     }
 

@@ -47,9 +47,11 @@ pub(super) const FINE: f64 = 1e-8;
 /// Number of places along a free way at which the distance to surfaces is measured.
 const CLEAR_PLACES: usize = 32;
 
-/// Share of the greatest height of a contact above the straight line from which a contact is as high: heights of contacts
-/// have the error [`COARSE`].
-const SAME_HEIGHT: f64 = 0.999;
+/// Greatest detour of a tent over an edge near one end, as a multiple of the detour over the edge itself.
+const TENT_OVER_EDGE: f64 = 3.0;
+
+/// Length of the sum of the unit vectors from both ends to a string's contacts up to which it is straight.
+const STRAIGHT: f64 = 1e-3;
 
 /// Contacts of a string with solids that are followed between its first and its last.
 const MOST_INNER_DEPTH: u32 = 2;
@@ -81,14 +83,26 @@ impl TautString {
         straight + arcs + from.distance(self.listener)
     }
 
-    /// The contact that is farthest from the line between source and listener: the last one if several are equally far.
-    fn highest(&self) -> DVec3 {
+    /// The apex of the tent over the first and the last contact, from the source, and the unit vector in whose direction
+    /// tents become longer the fastest: x is along the line from source to listener, y away from it. `None` if the legs do
+    /// not meet.
+    pub fn tent(&self) -> Option<[DVec2; 2]> {
         let line = self.listener - self.source;
-        let height_m = |point: &DVec3| (point - self.source).reject_from(line).length();
-        let points = || self.contacts.iter().map(|contact| contact.point);
-        let highest_m = points().map(|point| height_m(&point)).fold(0.0, f64::max);
-        let is_highest = |point: &DVec3| height_m(point) >= SAME_HEIGHT * highest_m;
-        points().rev().find(is_highest).unwrap_or(self.source)
+        let along = line.try_normalize()?;
+        let flat = |point: DVec3| {
+            let from = point - self.source;
+            DVec2::new(from.dot(along), from.reject_from_normalized(along).length())
+        };
+        let [first, last] = [self.contacts.first()?, self.contacts.last()?];
+        let [first, last] = [flat(first.point), flat(last.point)];
+        let end = DVec2::new(line.length(), 0.0);
+        let [rising, falling] = [first, last - end].map(DVec2::normalize_or_zero);
+        let outwards = rising + falling;
+        if outwards.y < STRAIGHT {
+            return Some([first, DVec2::Y]);
+        }
+        let metres = end.perp_dot(falling) / rising.perp_dot(falling);
+        (metres > 0.0).then(|| [rising * metres, outwards.normalize()])
     }
 
     /// The way along the surface of a string with a single turn.
@@ -353,7 +367,7 @@ impl HalfPlanes {
             .is_none_or(|(half_planes, _)| half_planes[index])
     }
 
-    /// Seeks the missing strings again, with tents over the contacts of the strings in neighbouring half-planes.
+    /// Seeks the missing strings again, with tents over those of the strings in neighbouring half-planes.
     fn continue_beside(&self, space: &impl Space, strings: &mut [Option<TautString>]) {
         for step in [1, HALF_PLANES - 1] {
             for start in 0..HALF_PLANES {
@@ -362,10 +376,7 @@ impl HalfPlanes {
                     if strings[next].is_some() || !self.is_sought(next) {
                         break;
                     }
-                    let feet = known
-                        .contacts
-                        .first()
-                        .map(|contact| self.share(contact.point));
+                    let feet = known.tent().map(|[apex, _]| apex.x / self.apart_m());
                     let azimuth = next as f64 * STEP;
                     strings[next] =
                         self.string_within(space, azimuth, COARSE, (feet.as_slice(), false));
@@ -399,7 +410,8 @@ impl HalfPlanes {
     }
 
     /// The point at which an obstacle touches the lowest tent that it blocks, in the half-plane of an azimuth: above the
-    /// straight line, or above a string. `None` if all tents up to a detour of `most_m` metres are free.
+    /// straight line, or above a string. `None` if the detour over this point is not below `most_m` metres, or if all tents
+    /// are free.
     pub fn beyond(
         &self,
         space: &impl Space,
@@ -408,7 +420,6 @@ impl HalfPlanes {
         most_m: f64,
     ) -> Option<DVec3> {
         let length = self.apart_m();
-        let along = (self.listener - self.source) / length;
         let plane = Plane {
             space,
             up: self.upwards(azimuth),
@@ -416,45 +427,52 @@ impl HalfPlanes {
             feet: &[],
             seeks_corners: false,
         };
-        let (foot, rise) = match above.map(TautString::highest) {
-            Some(contact) => {
-                let rise = (contact - self.source)
-                    .reject_from_normalized(along)
-                    .length();
-                (self.share(contact), rise / length)
-            }
-            None => (MIDDLE, 0.0),
+        let along = (self.listener - self.source) / length;
+        let [base, outwards] = match above {
+            Some(string) => string.tent()?,
+            None => [DVec2::X * (MIDDLE * length), DVec2::Y],
         };
-        let apex = |height: f64| self.apex(foot, height, plane.up);
+        let apex = |height: f64| {
+            let at = base + outwards * (height * length);
+            self.source + along * at.x + plane.up * at.y
+        };
         let clear = if above.is_none() { self.clear } else { 0.0 };
         let ends = [self.source, self.listener];
         let is_free = |height: f64| height < clear || space.is_seen_from(ends, apex(height));
-        let mut free = rise;
+        let mut free = 0.0;
         if above.is_some() {
-            // The apex over the whole string is higher than its contacts.
-            let steps = (0..OVER_STEPS).map(|step| rise + OVER * f64::from(1 << step));
-            free = steps.into_iter().find(|height| is_free(*height))?;
+            // Contacts have errors.
+            let mut steps = (0..OVER_STEPS).map(|step| OVER * f64::from(1 << step));
+            free = steps.find(|height| is_free(*height))?;
         }
-        let (blocked, free) = self.first_blocked(free, most_m, apex, is_free)?;
+        let tents_m = TENT_OVER_EDGE * most_m;
+        let (blocked, free) = self.first_blocked(free, tents_m, apex, is_free)?;
         let (blocked, _) = bisect(blocked, free, plane.error, is_free);
-        Some(plane.touched(self.source, apex(blocked), self.listener))
+        let touch = plane.touched(self.source, apex(blocked), self.listener);
+        (self.detour_m(touch) < most_m).then_some(touch)
     }
 
-    /// Unit vector in the half-plane of an azimuth along the surface that a tent touches; `None` without a gradient.
-    pub fn along_face(&self, space: &impl Space, azimuth: f64, touch: DVec3) -> Option<DVec3> {
+    /// A point on the surface that a tent touches, and a unit vector along the surface, both in the half-plane of an azimuth;
+    /// `None` without a gradient.
+    pub fn on_face(
+        &self,
+        space: &impl Space,
+        azimuth: f64,
+        touch: DVec3,
+    ) -> Option<(DVec3, DVec3)> {
         let along = (self.listener - self.source).try_normalize()?;
         let up = self.upwards(azimuth);
         let step = COARSE * self.apart_m();
         let lifted = touch - up * (2.0 * step);
         let slope = |axis: DVec3| {
-            space.distance(lifted + axis * step) - space.distance(lifted - axis * step)
+            let ends = [step, -step].map(|metres| space.distance(lifted + axis * metres));
+            (ends[0] - ends[1]) / (2.0 * step)
         };
-        (along * slope(up) - up * slope(along)).try_normalize()
-    }
-
-    /// Place of a point along the line from source to listener, as a share of its length.
-    fn share(&self, point: DVec3) -> f64 {
-        let line = self.listener - self.source;
-        (point - self.source).dot(line) / line.length_squared()
+        let gradient = [slope(along), slope(up)];
+        let face = (along * gradient[1] - up * gradient[0]).try_normalize()?;
+        // A leg ends within its error above the surface.
+        let outwards = along * gradient[0] + up * gradient[1];
+        let point = touch - outwards * (space.distance(touch) / outwards.length_squared());
+        Some((point, face))
     }
 }

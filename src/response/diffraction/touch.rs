@@ -7,8 +7,21 @@ use super::tent::bisect;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// Detour in metres from which edges beside the way are left out: at 63 Hz they change the level by 1 dB at most.
+/// Detour in metres from which edges beside a free way are left out: at 63 Hz they change the level by 1 dB at most.
 pub(super) const MOST_DETOUR_M: f64 = 4.0;
+
+/// Growth of this detour with the detour of the string, if the source is hidden: far edges that both ends see are louder
+/// than a long string.
+const BEYOND_STRING: f64 = 4.0;
+
+/// Detour in metres from which edges beyond a string, or beside a free way, are left out.
+pub(super) fn most_detour_m(planes: &HalfPlanes, above: Option<&TautString>) -> f64 {
+    let string_m = above
+        .filter(|_| !planes.are_beside())
+        .map(TautString::length_m);
+    let detour_m = string_m.map_or(0.0, |length_m| (length_m - planes.apart_m()).max(0.0));
+    MOST_DETOUR_M + BEYOND_STRING * detour_m
+}
 
 /// Share of the way to a touch at which the touch in the half-plane half way lies on a straight edge: a half where the
 /// half-plane turns little.
@@ -22,9 +35,10 @@ fn touched_by(
     (azimuth, above): (f64, Option<&TautString>),
     far: impl Fn(DVec3) -> f64,
 ) -> Option<DVec3> {
-    let touch = planes.beyond(space, azimuth, above, MOST_DETOUR_M)?;
-    let along = planes.along_face(space, azimuth, touch)?;
-    let end = |along: DVec3| end_of_face(space, planes, touch, along);
+    let most_m = most_detour_m(planes, above);
+    let touch = planes.beyond(space, azimuth, above, most_m)?;
+    let (touch, along) = planes.on_face(space, azimuth, touch)?;
+    let end = |along: DVec3| end_of_face(space, planes, (touch, along), most_m);
     let ends = [along, -along].into_iter().filter_map(end);
     let nearest = ends.min_by(|a, b| far(*a).total_cmp(&far(*b)));
     Some(nearest.unwrap_or(touch))
@@ -90,15 +104,15 @@ const ON_FACE: f64 = 10.0 * FINE;
 fn end_of_face(
     space: &impl Space,
     planes: &HalfPlanes,
-    touch: DVec3,
-    along: DVec3,
+    (touch, along): (DVec3, DVec3),
+    most_m: f64,
 ) -> Option<DVec3> {
     let error = ON_FACE * planes.apart_m();
     let height = |metres: f64| space.distance(touch + along * metres);
     let mut on_face = 0.0;
     let mut next = FIRST * planes.apart_m();
     while height(next) <= error {
-        if height(next) < -error || planes.detour_m(touch + along * next) > MOST_DETOUR_M {
+        if height(next) < -error || planes.detour_m(touch + along * next) > most_m {
             return None;
         }
         on_face = next;
