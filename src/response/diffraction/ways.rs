@@ -46,6 +46,8 @@ pub(super) struct Ways {
     pub bends: Vec<Way>,
     /// Unit vector into the half-plane of the shortest string, or into the first half-plane without strings.
     towards_shortest: DVec3,
+    /// Detour of the shortest string in metres; infinite without strings.
+    shortest_m: f64,
     /// Edges beside the ways.
     rims: Vec<Rim>,
     /// Strings around the far side of what is beside a free way, in half-planes next to free ones: behind the obstacle they
@@ -145,6 +147,7 @@ impl Ways {
         let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1));
         Ways {
             towards_shortest: planes.upwards(shortest.map_or(0, |(index, _)| index) as f64 * STEP),
+            shortest_m: shortest.map_or(f64::INFINITY, |(_, detour)| detour),
             rims: Rim::all(space, planes, &strings),
             border,
             bends,
@@ -170,14 +173,13 @@ impl Ways {
     }
 
     /// The direction away from the solid if an edge lies on the straight way, or if the strings have no way over their
-    /// edges, as at a thin plate seen edge-on.
+    /// edges, as at a thin plate seen edge-on. Where the straight way touches a solid, the shortest string may have no bend.
     pub fn touched(&self) -> Option<DVec3> {
-        if self.bends.is_empty() {
-            return Some(self.towards_shortest);
-        }
         let is_touched = |way: &&Way| way.bend.length_m - self.apart_m < LEAST_DETOUR_M;
         let touched = self.bends.iter().find(is_touched);
-        touched.map(|way| way.bend.outwards())
+        let has_no_bend = self.bends.is_empty() || self.shortest_m < LEAST_DETOUR_M;
+        let lost = has_no_bend.then_some(self.towards_shortest);
+        touched.map(|way| way.bend.outwards()).or(lost)
     }
 
     /// Keeps only the bends and edges with a point that satisfies the condition.
