@@ -14,8 +14,21 @@ pub(super) struct Edge {
     pub along: DVec3,
 }
 
-/// Turn of the half-plane in radians over which the direction of an edge is measured.
+/// Least turn of the half-plane in radians over which the direction of an edge is measured, and the greatest.
 pub(super) const TURN: f64 = 0.01;
+const MOST_TURN: f64 = 1.2;
+
+/// Least distance of the two points between which the direction of an edge is measured, as a share of the distance between
+/// source and listener: tents that graze an edge touch it with an error of a hundredth of this distance.
+const LEAST_SHIFT: f64 = 1e-4;
+
+/// Turn of the half-plane in radians over which the direction of an edge is measured that lies `height_m` metres from the line
+/// between two points, `apart_m` metres from each other.
+pub(super) fn turn_for(height_m: f64, apart_m: f64) -> f64 {
+    (LEAST_SHIFT * apart_m)
+        .atan2(height_m)
+        .clamp(TURN, MOST_TURN)
+}
 
 /// Searches for the stationary way over edges: one is enough for straight edges.
 pub(super) const MOST_SEARCHES: usize = 4;

@@ -6,7 +6,7 @@
 
 use super::bend::Bend;
 use super::beyond::FaceBeside;
-use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, face_distance_m};
+use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, face_distance_m};
 use super::errors::{TWO_EDGES_ERRORS_DB, errors_of_bend_db};
 use super::narrow::factor_of;
 use super::ring::{self, Basin, Detours, all_samples};
@@ -115,7 +115,7 @@ impl Rim {
     ) -> Option<Rim> {
         let mut last = None;
         for _ in 0..MOST_SEARCHES {
-            let Some((edge, _)) = edge_at(space, planes, (azimuth, above), TURN) else {
+            let Some((edge, _)) = edge_at(space, planes, (azimuth, above), 0.0) else {
                 break;
             };
             let (rim, is_nearest) = Rim::nearest(space, planes, edge, azimuth);

@@ -391,6 +391,12 @@ impl HalfPlanes {
         (self.source, self.listener)
     }
 
+    /// Distance in metres of a point from the line between source and listener.
+    pub fn height_m(&self, point: DVec3) -> f64 {
+        let line = self.listener - self.source;
+        (point - self.source).reject_from(line).length()
+    }
+
     /// Difference in metres between the way over a point and the straight one.
     pub fn detour_m(&self, point: DVec3) -> f64 {
         let over = self.source.distance(point) + point.distance(self.listener);

@@ -1,6 +1,6 @@
 //! The edges that tents touch.
 
-use super::edge::Edge;
+use super::edge::{Edge, turn_for};
 use super::space::Space;
 use super::string::{FINE, HalfPlanes, TautString};
 use super::tent::bisect;
@@ -54,15 +54,16 @@ pub(super) fn touched(
     touched_by(space, planes, tent, |end| planes.detour_m(end))
 }
 
-/// The edge that a tent touches, from the tents in half-planes that are turned by `most` radians and by half of it, and
+/// The edge that a tent touches, from the tents in half-planes that are turned by at least `least` radians and by half of the turn, and
 /// whether it is straight there.
 pub(super) fn edge_at(
     space: &impl Space,
     planes: &HalfPlanes,
     (azimuth, above): (f64, Option<&TautString>),
-    most: f64,
+    least: f64,
 ) -> Option<(Edge, bool)> {
     let point = touched(space, planes, (azimuth, above))?;
+    let turn = turn_for(planes.height_m(point), planes.apart_m()).max(least);
     // The detours over both ends of a face may be equal: the other touch lies on the same edge as this one.
     let beside = |turn: f64| {
         let tent = (azimuth + turn, above);
@@ -77,7 +78,7 @@ pub(super) fn edge_at(
                 && HALF_WAY.contains(&(half.length() / along.length()))
         })
     };
-    let mut all = [most, -most]
+    let mut all = [turn, -turn]
         .into_iter()
         .filter_map(|turn| Some((turn, beside(turn)?)));
     let first = all.next()?;

@@ -6,7 +6,7 @@ mod remembered;
 
 use super::brink::{self, Brink};
 use super::curvature::{curvature, least_curvature_step_m, on_surface, turns_of};
-use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, shorten};
+use super::edge::{Edge, MOST_SEARCHES, ON_SURFACE, TURN, shorten, turn_for};
 use super::round::Arc;
 use super::space::Space;
 use super::string::{self, HalfPlanes, TautString};
@@ -127,7 +127,11 @@ impl Bend {
             let other = turns_of(space, &planes.string(space, string.azimuth + turn)?);
             (other.len() == turns.len()).then_some(other)
         };
-        let mut others = [TURN, -TURN].into_iter().filter_map(beside);
+        let heights_m = turns.iter().map(|turn| planes.height_m(turn.apex));
+        let turn = turn_for(heights_m.fold(f64::INFINITY, f64::min), planes.apart_m());
+        // A narrow body may end before a greater turn.
+        let all = [turn, -turn, TURN, -TURN].into_iter();
+        let mut others = all.take(if turn > TURN { 4 } else { 2 }).filter_map(beside);
         let first = others.next()?;
         let is_straight = |other: &Vec<Turn>| are_on_edges(space, &turns, other, planes.apart_m());
         let other = match is_straight(&first) {
