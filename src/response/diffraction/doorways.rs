@@ -78,7 +78,7 @@ fn levels_behind_a_jamb_do_not_jump_at_the_height_of_its_end() {
 }
 
 /// Protects walks past doorways between rooms: at 63 to 250 Hz less than 0.6 % of the steps of 1 cm change the direct sound by
-/// more than 0.5 dB, and none by more than 1.6 dB.
+/// more than 0.5 dB, and none by more than 3.5 dB. The greatest are where the far jamb begins to be found beyond the near one.
 #[test]
 #[ignore = "takes a minute, and repeats figures of docs/acoustics.md"]
 fn few_steps_past_doorways_between_rooms_jump() {
@@ -97,7 +97,7 @@ fn few_steps_past_doorways_between_rooms_jump() {
     let jumps = steps.iter().filter(|step| **step > 0.5).count() as f64;
     let share = jumps / steps.len() as f64;
     let most = steps.iter().copied().fold(0.0, f64::max);
-    assert!(share < 0.006 && most < 1.6, "{share}, at most {most} dB");
+    assert!(share < 0.006 && most < 3.5, "{share}, at most {most} dB");
 }
 
 /// Protects ways beside a second edge: a line between the two edges of a lintel counts as none of them.

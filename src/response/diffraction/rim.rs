@@ -219,9 +219,14 @@ impl Rim {
 
     /// Looks at the surfaces about the edge.
     fn with_faces(self, space: &impl Space) -> Rim {
-        let after_m = self.edge.point.distance(self.listener);
+        let grazing = |from: DVec3, to: DVec3| {
+            let after_m = self.edge.point.distance(to);
+            Bend::grazing(space, from, self.edge, after_m, self.inwards)
+        };
+        // The source's way along a face leads into it: then a shadow of the listener begins at this edge.
+        let way = grazing(self.source, self.listener);
         Rim {
-            grazing: Bend::grazing(space, self.source, self.edge, after_m, self.inwards),
+            grazing: way.or_else(|| grazing(self.listener, self.source)),
             faces: [[self.source, self.listener], [self.listener, self.source]]
                 .map(|ends| FaceBeside::of(space, (&self.edge, self.inwards), ends)),
             ..self
