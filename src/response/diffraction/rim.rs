@@ -163,10 +163,7 @@ impl Rim {
     ) -> Option<Rim> {
         let is_edge = self.touches_the_straight_way() || self.is_edge(space);
         is_edge.then(|| {
-            let rim = Rim {
-                most_detour_m: most_detour_m(planes, above),
-                ..self.with_faces(space)
-            };
+            let rim = self.with_faces(space, most_detour_m(planes, above));
             if above.is_none() {
                 return rim;
             }
@@ -181,10 +178,7 @@ impl Rim {
     fn at_other_end(&self, space: &impl Space, planes: &HalfPlanes, azimuth: f64) -> Option<Rim> {
         let edge = self.faces.iter().find_map(FaceBeside::other_end)?;
         let (rim, _) = Rim::nearest(space, planes, edge, azimuth);
-        let rim = Rim {
-            most_detour_m: self.most_detour_m,
-            ..rim.with_faces(space)
-        };
+        let rim = rim.with_faces(space, self.most_detour_m);
         rim.has_on_strip(self.point()).then_some(rim)
     }
 
@@ -217,8 +211,8 @@ impl Rim {
         self.own.push((samples, own));
     }
 
-    /// Looks at the surfaces about the edge.
-    fn with_faces(self, space: &impl Space) -> Rim {
+    /// Looks at the surfaces about the edge, which counts up to a detour of `most_detour_m` metres.
+    fn with_faces(self, space: &impl Space, most_detour_m: f64) -> Rim {
         let grazing = |from: DVec3, to: DVec3| {
             let after_m = self.edge.point.distance(to);
             Bend::grazing(space, from, self.edge, after_m, self.inwards)
@@ -227,6 +221,7 @@ impl Rim {
         let way = grazing(self.source, self.listener);
         Rim {
             grazing: way.or_else(|| grazing(self.listener, self.source)),
+            most_detour_m,
             faces: [[self.source, self.listener], [self.listener, self.source]]
                 .map(|ends| FaceBeside::of(space, (&self.edge, self.inwards), ends)),
             ..self

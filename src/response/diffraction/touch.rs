@@ -54,8 +54,8 @@ pub(super) fn touched(
     touched_by(space, planes, tent, |end| planes.detour_m(end))
 }
 
-/// The edge that a tent touches, from the tents in half-planes that are turned by at least `least` radians and by half of the turn, and
-/// whether it is straight there.
+/// The edge that a tent touches, and whether it is straight there. Its direction is that between the tents in half-planes that
+/// are turned by at least `least` radians, and by half of this turn.
 pub(super) fn edge_at(
     space: &impl Space,
     planes: &HalfPlanes,
